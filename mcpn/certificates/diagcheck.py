@@ -200,6 +200,79 @@ class Families:
             a = self.low[a]
         return a == 1
 
+    def minus(self, a: int, b: int) -> int:
+        """What is in ``a`` alone."""
+        return self.escaping(a, b, [])
+
+    def image(self, a: int, word: Word) -> int:
+        """What some sets become by firing a word, those that can."""
+        memo, ends = dict[tuple[int, int], int](), len(word)
+
+        def at(a: int, i: int) -> int:
+            if not a or i == ends:
+                return a
+            if (a, i) not in memo:
+                self.step()
+                here, (asked, before, after) = self.level[a], word[i]
+                if here < asked:
+                    memo[a, i] = self.node(here, at(self.low[a], i), at(self.high[a], i))
+                else:
+                    found = at(self.sides(a, asked)[before], i + 1)
+                    memo[a, i] = self.node(asked, 0, found) if after else found
+            return memo[a, i]
+
+        return at(a, 0)
+
+    def onto(
+        self, a: int, literals: list[Literal], into: Families, memo: Memo, unions: Memo, i: int = 0
+    ) -> int:
+        """Of each set which literals, in the order of their levels, it satisfies: their positions."""
+        if not a or i == len(literals):
+            return bool(a)
+        if (a, i) not in memo:
+            self.step()
+            here, (asked, marked) = self.level[a], literals[i]
+            if here < asked:
+                low, high = (
+                    self.onto(child, literals, into, memo, unions, i) for child in (self.low[a], self.high[a])
+                )
+                memo[a, i] = into.union(low, high, unions)
+            else:
+                others, these = self.sides(a, asked)[:: 1 if marked else -1]
+                low, high = (
+                    self.onto(child, literals, into, memo, unions, i + 1) for child in (others, these)
+                )
+                memo[a, i] = into.node(i, low, high)
+        return int(memo[a, i])
+
+    def parts(self, a: int, memo: Memo, unions: Memo) -> int:
+        """What is part of a set."""
+        if a < 2:
+            return a
+        if a not in memo:
+            self.step()
+            low, high = (self.parts(child, memo, unions) for child in (self.low[a], self.high[a]))
+            memo[a] = self.node(self.level[a], self.union(low, high, unions), high)
+        return int(memo[a])
+
+    def holding(self, a: int, memo: Memo, unions: Memo, level: int = 0) -> int:
+        """What holds a set, of levels from one on."""
+        if not a or level == self.levels:
+            return a
+        if (a, level) not in memo:
+            self.step()
+            low, high = (self.holding(child, memo, unions, level + 1) for child in self.sides(a, level))
+            memo[a, level] = self.node(level, low, self.union(low, high, unions))
+        return int(memo[a, level])
+
+    def count(self, a: int, memo: Memo) -> int:
+        """How many sets there are."""
+        if a < 2:
+            return a
+        if a not in memo:
+            memo[a] = self.count(self.low[a], memo) + self.count(self.high[a], memo)
+        return int(memo[a])
+
     def equals(self, a: int, memo: Memo) -> bool:
         """Whether all are pairs of equals: level 2 l marked where 2 l + 1 is."""
         if a < 2:
@@ -398,6 +471,50 @@ class CertifiedSets:
                 certcheck.need(fine, f"confluent: {self.net.name[t]} changes the end")
         return True
 
+    @cached_property
+    def begun(self) -> int:
+        """Stable markings that are reached before the mission starts: all by firings that leave its place."""
+        net, sets = self.net, self.sets
+        begin = sum(places for (role, _), places in net.roles.items() if role == "begin")
+        staying = [t for t in range(len(net.name)) if self.word[t] and not net.consume[t] & begin]
+        marked = [self.at[p] for p in certcheck.indices(net.initial)]
+        first = 1
+        for level in sorted((level for level, so in marked if so), reverse=True):
+            first = sets.node(level, 0, first)
+        found, before = self.ended_runs(first, staying), 0
+        while found != before:
+            before = found
+            for t in staying:
+                if net.event[t] and (after := sets.minus(sets.image(found, self.word[t] or []), found)):
+                    found = sets.union(found, self.ended_runs(after, staying), {})
+        return sets.minus(found, self.minus(found, ["begin"]))
+
+    def ended_runs(self, states: int, transitions: list[int]) -> int:
+        """The stable markings to which some of the internal transitions lead."""
+        net, sets = self.net, self.sets
+        while True:
+            allowed, stable = self.split(states, sets)
+            after = states
+            for t in transitions if stable != states else ():
+                if not net.event[t]:
+                    fired = sets.image(allowed[net.rank[t]], self.word[t] or [])
+                    after = sets.union(after, fired, {})
+            if after == states:
+                return stable
+            states = after
+
+    def layered(self, layers: list[int], goal: list[str], events: Iterable[int]) -> None:
+        """Refutes layers from which not always a goal is marked, or some event leads one layer down."""
+        certcheck.need(self.terminating, "internal runs end")
+        for i, layer in enumerate(layers):
+            left = self.minus(self.closed(layer, layer, (), self.net.internal, f"layer {i}"), goal)
+            if i:
+                left = self.sets.minus(left, layers[i - 1])
+                for t in events:
+                    if (word := self.word[t]) is not None:
+                        left = self.sets.escaping(left, layers[i - 1], word)
+            certcheck.need(not left, f"layer {i}: a state leads to none of the layer below")
+
     def run(self, run: list[int]) -> int:
         """The stable marking to which a run leads, with internal firings in some order that is permitted."""
         marking = self.settled(self.net.initial)
@@ -432,6 +549,9 @@ class CertifiedSets:
 def judge(of: CertifiedSets, claim: Json) -> None:
     """Refutes a claim that its evidence does not prove."""
     kind, holds = claim["kind"], claim["holds"]
+    if kind == "cut_sets":
+        cut_sets(of, claim)
+        return
     known = certcheck.ENDS.keys()
     certcheck.need(kind in known, f"diagrams.json: kind {kind[:60]!r}", certcheck.Malformed)
     certcheck.part(claim, "statement")
@@ -468,17 +588,59 @@ def always_ends(of: CertifiedSets, claim: Json, goal: list[str]) -> None:
         of.closed(closed, closed, of.net.events, of.net.internal, "closed")
         certcheck.need(of.minus(closed, goal) == closed, "an end is in the closed set")
         return
-    certcheck.need(of.terminating, "internal runs end")
     layers = [of.root(number) for number in certcheck.part(claim, "evidence", layers=[int])["layers"]]
-    for i, layer in enumerate(layers):
-        left = of.minus(of.closed(layer, layer, (), of.net.internal, f"layer {i}"), goal)
-        if i:
-            left = of.sets.escaping(left, layers[i - 1], [])
-            for t in of.net.events:
-                if (word := of.word[t]) is not None:
-                    left = of.sets.escaping(left, layers[i - 1], word)
-        certcheck.need(not left, f"layer {i}: a state leads to none of the layer below")
+    of.layered(layers, goal, of.net.events)
     certcheck.need(layers and of.sets.within(of.reached, layers[-1]), "a marking is in no layer")
+
+
+def cut_sets(of: CertifiedSets, claim: Json) -> None:
+    """Each set is a cut, by a closed set; what is less is survived, by layers; no other is minimal."""
+    said = certcheck.part(claim, "statement", ends=[str], hardware=[str], cuts=[[str]])
+    shown = certcheck.part(claim, "evidence", closed=[int], layers=[int])
+    closed, layers = ([of.root(number) for number in shown[key]] for key in ("closed", "layers"))
+    certcheck.need(claim["holds"], "that it fails is never certified")
+    certcheck.need(of.stable is not None, "it is known what is reached")
+    net, names, sets, goal = of.net, said["hardware"], of.sets, said["ends"]
+    out = {element: places for (role, element), places in net.roles.items() if role == "oos"}
+    certcheck.need(sorted(names) == sorted(out), f"expected the hardware {', '.join(sorted(out))}")
+    marks = {name: [of.at[place] for place in certcheck.indices(out[name])] for name in names}
+    fine = len({level for every in marks.values() for level, _ in every}) == len(names)
+    certcheck.need(fine and all(len(every) == 1 for every in marks.values()), "hardware shares places")
+    names = sorted(names, key=lambda name: marks[name])
+    literals = [marks[name][0] for name in names]
+    before = sets.minus(of.stable, of.minus(of.stable, ["begin"]))
+    certcheck.need(len(closed) == len(said["cuts"]), "expected a closed set for each cut")
+    for cut, into in zip(said["cuts"], closed, strict=True):
+        fine = set(cut) <= set(names) and len(set(cut)) == len(cut)
+        certcheck.need(fine, f"{cut} is no set of hardware")
+        cube = sorted(marks[name][0] for name in cut)
+        lost = sets.minus(before, sets.without(before, cube)) if cube else before
+        certcheck.need(sets.within(lost, into), f"{cut}: a start is not in its closed set")
+        may = set(net.events) - net.carrying("repaired", *cut, None)
+        of.closed(into, into, may, net.internal, f"{cut}")
+        certcheck.need(of.minus(into, goal) == into, f"{cut}: an end is in its closed set")
+    of.layered(layers, goal, set(net.events) - net.carrying("repaired"))
+    top, lost_sets = layers[-1] if layers else 0, Families(len(names), sets.most, sets.until)
+    starts = sets.minus(of.begun, sets.minus(of.begun, top))
+    survived = lost_sets.parts(sets.onto(starts, literals, lost_sets, {}, {}), {}, {})
+    cuts = [{names.index(name) for name in cut} for cut in said["cuts"]]
+    for number in cuts:
+        fine = all(lost_sets.has(survived, number - {each}) for each in number)
+        certcheck.need(fine, "less an element a cut is not survived")
+    doubt = unknown(lost_sets, survived, cuts)
+    certcheck.need(not doubt, f"{doubt} sets are neither cut nor survived")
+
+
+def unknown(families: Families, survived: int, cuts: Iterable[Iterable[int]]) -> int:
+    """How many sets neither hold a cut nor are among those that are survived."""
+    listed = 0
+    for cut in cuts:
+        one = 1
+        for number in sorted(cut, reverse=True):
+            one = families.node(number, 0, one)
+        listed = families.union(listed, one, {})
+    lost = families.holding(listed, {}, {})
+    return int(2**families.levels) - families.count(lost, {}) - families.count(survived, {})
 
 
 def checked(path: str, *, most: int = 5_000_000, seconds: float = 600) -> certcheck.Report:

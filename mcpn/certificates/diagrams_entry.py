@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterable, Sequence
+from math import inf
 from typing import Any
 
 from mcpn._kernel import Store, Zdd
 from mcpn.certificates.certcheck import ENDS, VERSION
+from mcpn.certificates.diagcheck import Families, unknown
 from mcpn.certificates.entries import Claimed
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
+from mcpn.events import What
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.diagrams.encoding import Encoding
@@ -217,6 +220,50 @@ class DiagramWriter:
                 closed = self.markings.reached(self._single(left))
                 return {"run": run, "closed": self.table.add(closed)}
         return {"run": self.run(self.stable & self.ended(ENDS[kind]))} if holds else {}
+
+    def cut_sets(
+        self, ends: Sequence[str], hardware: Sequence[str], cuts: Iterable[Sequence[str]]
+    ) -> dict[str, Any]:
+        """What proves the minimal cut sets of some ends: a closed set for each, and layers without repair.
+
+        Raises:
+            LimitError: Some sets are survived, but never without a repair.
+        """
+        net, encoding = self.encoding.net, self.encoding
+        repairs = {
+            t: each.event.element
+            for t, each in enumerate(net.transitions)
+            if each.event is not None and each.event.what is What.REPAIRED
+        }
+        events = [t for t, each in enumerate(net.transitions) if each.event is not None]
+        every, goal = range(len(net.transitions)), self.ended(ends)
+        starts = encoding.restricted(self.stable, [self.mission_net.beginning])
+        out = {name: self.mission_net.by_role["oos", name] for name in hardware}
+        if any(len(places) > 1 for places in out.values()):
+            raise LimitError("no certificate: several places say that hardware is out of service")
+        closed = list[int]()
+        for cut in cuts:
+            lost = encoding.restricted(starts, [place for name in cut for place in out[name]])
+            may = [t for t in every if repairs.get(t) not in cut]
+            closed.append(self.table.add(self.markings.reached(lost, transitions=may)))
+        layers, _ = self._finishing(goal, [t for t in events if t not in repairs])
+        self._need_all(starts & layers[-1], [out[name][0] for name in hardware], hardware, cuts)
+        return {"closed": closed, "layers": [self.table.add(layer) for layer in layers]}
+
+    def _need_all(
+        self, survived: Zdd, out: Sequence[int], hardware: Sequence[str], cuts: Iterable[Sequence[str]]
+    ) -> None:
+        """Refuses where starts that are survived and cuts leave some set of hardware open."""
+        sets, lost = (Families(size, MOST_NODES, inf) for size in (len(self.encoding.places), len(hardware)))
+        marks = sorted((self.encoding.bit(place), name) for place, name in zip(out, hardware, strict=True))
+        found = sets.read([[*row] for row in _rows_of(survived)], "")[-1] if survived else 0
+        literals, number = (
+            [(level, not reverse) for (level, reverse), _ in marks],
+            {name: i for i, (_, name) in enumerate(marks)},
+        )
+        known = lost.parts(sets.onto(found, literals, lost, {}, {}), {}, {})
+        if unknown(lost, known, [[number[name] for name in cut] for cut in cuts]):
+            raise LimitError("some losses are survived, but only if something else is repaired")
 
     def _single(self, states: Zdd) -> Zdd:
         """The member that :meth:`run` leads to: where its run ends."""

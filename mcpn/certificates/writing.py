@@ -6,7 +6,7 @@ import json
 import zipfile
 from collections.abc import Iterable, Mapping
 from io import BytesIO
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from mcpn.answers.causes.find import Causes
 from mcpn.answers.claims import Claim, claims_of, claims_of_losses
@@ -33,6 +33,12 @@ from mcpn.spaces.markings.graph import Mask
 from mcpn.spaces.search.goal import Formula
 from mcpn.spaces.stable.alternatives import AlternativesGraph
 from mcpn.steps import Doing, step
+
+if TYPE_CHECKING:
+    from mcpn.certificates.diagrams_entry import DiagramWriter
+
+_Claims: TypeAlias = dict[str, dict[str, Any]]
+_Trusted: TypeAlias = dict[str, tuple[str, str]]
 
 MOST_LISTED = 200_000
 """Stable states up to which a certificate is written by listing them."""
@@ -134,14 +140,7 @@ def _by_diagrams(check: MissionCheck, error: LimitError) -> Certificate:
     Raises:
         LimitError: Its diagrams are too large too.
     """
-    from mcpn.certificates.diagrams_entry import DiagramWriter
-
-    mission_net = check.mission_net
-    markings = check.spaces.space(SYMBOLIC)
-    writer = DiagramWriter(mission_net, check.spaces.symbolic(), markings)
-    claims, trusted = dict[str, dict[str, Any]](), dict[str, tuple[str, str]]()
-    for name, sentence in SENTENCES.items():
-        claims[name] = entry(name, name, (), True, sentence, {}, writer.evidence(name, True))
+    writer, claims, trusted = _drawn(check.mission_net, check.spaces)
     for claim in claims_of(check):
         kind = LISTED.get(claim.of.verdict, claim.kind)
         if claim.key in claims or claim.key in trusted:
@@ -151,17 +150,69 @@ def _by_diagrams(check: MissionCheck, error: LimitError) -> Certificate:
             continue
         shown = writer.evidence(kind, claim.holds)
         claims[claim.key] = entry(claim.key, kind, claim.subject, claim.holds, claim.sentence, {}, shown)
-    trusted["net"] = PLAYED, "corecheck lists the states, and they are too many"
-    diagrams = writer.document(claims.values())
-    return Certificate(
-        mission_net.mission.name,
-        net_entry(mission_net, diagrams=True),
-        [],
-        trusted,
-        core_entry(mission_net),
-        (),
-        diagrams,
-    )
+    return _certificate(writer, claims, trusted)
+
+
+def _drawn(mission_net: MissionNet, spaces: MissionSpaces) -> tuple[DiagramWriter, _Claims, _Trusted]:
+    """The writer of diagrams of a mission, the claims that they always prove, and what they do not."""
+    from mcpn.certificates.diagrams_entry import DiagramWriter
+
+    writer = DiagramWriter(mission_net, spaces.symbolic(), spaces.space(SYMBOLIC))
+    claims = _Claims()
+    for name, sentence in SENTENCES.items():
+        claims[name] = entry(name, name, (), True, sentence, {}, writer.evidence(name, True))
+    return writer, claims, {"net": (PLAYED, "corecheck lists the states, and they are too many")}
+
+
+def _certificate(writer: DiagramWriter, claims: _Claims, trusted: _Trusted) -> Certificate:
+    """The certificate of claims that diagrams prove."""
+    mission_net, name = writer.mission_net, writer.mission_net.mission.name
+    net, core = net_entry(mission_net, diagrams=True), core_entry(mission_net)
+    return Certificate(name, net, [], trusted, core, (), writer.document(claims.values()))
+
+
+def _causes_by_diagrams(causes: Causes, error: LimitError) -> Certificate:
+    """The certificate of causes of a mission whose states are too many to list: of its minimal cut sets.
+
+    Raises:
+        LimitError: Its diagrams are too large too.
+    """
+    mission_net = causes.mission_net
+    writer, claims, trusted = _drawn(mission_net, spaces_of(mission_net))
+    for claim in claims_of_losses(causes.prospects):
+        if claim.key not in claims:
+            trusted.setdefault(claim.key, (claim.sentence, f"{error}; no diagram proves it"))
+    asked, unasked = _asked_cut_sets(causes)
+    for key, sentence, said in asked:
+        try:
+            shown = writer.cut_sets(said["ends"], said["hardware"], said["cuts"])
+        except LimitError as why:
+            trusted[key] = sentence, str(why)
+        else:
+            claims[key] = entry(key, "cut_sets", (), True, sentence, said, shown)
+    trusted |= {each.key: (each.sentence, each.why) for each in unasked}
+    return _certificate(writer, claims, trusted)
+
+
+def _asked_cut_sets(causes: Causes) -> tuple[list[tuple[str, str, dict[str, Any]]], list[Trusted]]:
+    """The claims on what is lost before the start, each as key, sentence and statement; and those without."""
+    mission_net = causes.mission_net
+    found, trusted = list[tuple[str, str, dict[str, Any]]](), list[Trusted]()
+    asked = [(causes.mission.cut_sets, "success")]
+    if causes.safety is not None and not causes.unsafe_aborts:
+        asked.append((causes.safety.cut_sets, "success or abort"))
+    elif causes.safety is not None:
+        trusted.append(Trusted("cut_sets: success or abort", "All minimal cut sets of a safe end.", UNSAFE))
+    for cut_sets, ends in asked:
+        key = f"cut_sets: {ends}"
+        sentence = f"All minimal cut sets: lost before the start, each leaves no way to {ends}."
+        if mission_net.mission.crashes:
+            trusted.append(Trusted(key, sentence, CRASHES))
+            continue
+        cuts = sorted(sorted(names) for names in cut_sets)
+        said = {"ends": ends.split(" or "), "hardware": can_fail(mission_net), "cuts": cuts}
+        found.append((key, sentence, said))
+    return found, trusted
 
 
 def certificate_of_causes(
@@ -178,25 +229,17 @@ def certificate_of_causes(
         LimitError: As there; or there are too many sets that the mission survives.
     """
     mission_net = causes.mission_net
-    graph = _listed(spaces_of(mission_net), causes.prospects.space, max_states)
+    try:
+        graph = _listed(spaces_of(mission_net), causes.prospects.space, max_states)
+    except LimitError as error:
+        return _causes_by_diagrams(causes, error)
     made = _Writer(mission_net, graph, {}).certificate(claims_of_losses(causes.prospects))
-    asked = [(causes.mission.cut_sets, "success")]
-    trusted = list[Trusted]()
-    if causes.safety is not None and not causes.unsafe_aborts:
-        asked.append((causes.safety.cut_sets, "success or abort"))
-    elif causes.safety is not None:
-        trusted.append(Trusted("cut_sets: success or abort", "All minimal cut sets of a safe end.", UNSAFE))
+    asked, trusted = _asked_cut_sets(causes)
     claims, further = list(made.claims), list[dict[str, Any]]()
-    for cut_sets, ends in asked:
-        sentence = f"All minimal cut sets: lost before the start, each leaves no way to {ends}."
-        if mission_net.mission.crashes:
-            trusted.append(Trusted(f"cut_sets: {ends}", sentence, CRASHES))
-            continue
-        losing = before_the_start(graph, mission_net, ends.split(" or "))
-        cuts = sorted(sorted(names) for names in cut_sets)
-        said = {"ends": ends.split(" or "), "hardware": can_fail(mission_net), "cuts": cuts}
-        shown = {"survived": survived(graph, mission_net, cuts, losing)}
-        claims.append(entry(f"cut_sets: {ends}", "cut_sets", (), True, sentence, said, shown))
+    for key, sentence, said in asked:
+        losing = before_the_start(graph, mission_net, said["ends"])
+        shown = {"survived": survived(graph, mission_net, said["cuts"], losing)}
+        claims.append(entry(key, "cut_sets", (), True, sentence, said, shown))
     moments = MomentClaims(causes, graph)
     every: list[Claimed | Trusted] = [*moments.all()]
     if chances:
