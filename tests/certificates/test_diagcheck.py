@@ -15,7 +15,7 @@ from hypothesis import given
 
 from mcpn.certificates import certcheck, diagcheck
 from mcpn.certificates.verified import verified
-from mcpn.certificates.writing import certificate_of
+from mcpn.certificates.writing import certificate_of, certificate_of_causes
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
@@ -88,6 +88,78 @@ def test_claims_on_drawn_missions_are_proved_by_diagrams(mission: Mission) -> No
     assert {"safe", "confluent"} <= found.keys()
     assert listed.diagrams is None
     return None
+
+
+@pytest.fixture(scope="module")
+def cuts(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """The certificate of the minimal cut sets of a small mission, by diagrams."""
+    path = tmp_path_factory.mktemp("cuts") / "mission.xml"
+    path.write_text(SMALL.lstrip())
+    return certificate_of_causes(Study(read_mission(path)).causes(), max_states=1).to_bytes()
+
+
+@fewer(0.1)
+@given(missions(max_hardware=3, max_objectives=2, max_sections=2, events=1))
+def test_cut_sets_of_drawn_missions_are_proved_by_diagrams(mission: Mission) -> None:
+    study = Study(mission)
+    try:
+        direct(study.mission_net.net, max_states=60)
+        causes = study.causes()
+        listed, drawn = certificate_of_causes(causes), certificate_of_causes(causes, max_states=1)
+    except (LimitError, ConfluenceError) as error:
+        return returns_early(type(error).__name__)
+    assert drawn.diagrams is not None
+    assert set(found_of(drawn.to_bytes()).values()) == {"proved"}
+    stated = {claim["key"]: claim["statement"] for claim in drawn.diagrams["claims"]}
+    of_listed = {c["key"]: c["statement"] for c in listed.claims if c["kind"] == "cut_sets"}
+    left = {key: why for key, (_, why) in drawn.trusted.items() if key in of_listed}
+    assert all("repaired" in why for why in left.values())
+    assert {key: stated[key] for key in of_listed.keys() - left.keys()} == {
+        key: said for key, said in of_listed.items() if key not in left
+    }
+    return None
+
+
+def _of_cuts(claim: dict[str, Any]) -> dict[str, Any]:
+    """Its statement and evidence."""
+    return {**claim["statement"], **claim["evidence"]}
+
+
+@pytest.mark.parametrize(
+    ("key", "change"),
+    [
+        ("cuts", lambda cuts: cuts.pop()),
+        ("cuts", lambda cuts: cuts[0].pop()),
+        ("cuts", lambda cuts: cuts.append([])),
+        ("hardware", lambda names: names.pop()),
+        ("ends", lambda ends: ends.clear()),
+        ("closed", lambda nodes: nodes.__setitem__(0, 0)),
+        ("closed", lambda nodes: nodes.pop()),
+        ("layers", lambda nodes: nodes.pop()),
+        ("layers", lambda nodes: nodes.pop(0)),
+        ("layers", lambda nodes: nodes.clear()),
+    ],
+)
+def test_other_cut_sets_and_other_evidence_are_refuted(
+    cuts: bytes, key: str, change: Callable[[Any], Any]
+) -> None:
+    def changed(document: dict[str, Any]) -> None:
+        (claim,) = [each for each in document["claims"] if each["key"] == "cut_sets: success"]
+        change(_of_cuts(claim)[key])
+
+    assert found_of(cuts)["cut_sets: success"] == "proved"
+    assert found_of(cuts, changed)["cut_sets: success"] == "refuted"
+
+
+def test_what_is_reached_too_much_does_not_make_sets_survived(cuts: bytes) -> None:
+    def no_losses(net: dict[str, Any]) -> None:
+        for each in net["transitions"]:
+            if each["event"][:1] == ["out of service"]:
+                each["read"].append(each["produce"][0])
+
+    with rewritten(cuts, "net.json", no_losses) as path:
+        found = {key: how for how, key, _ in diagcheck.checked(path)}
+    assert found["cut_sets: success"] == "refuted"
 
 
 def _fewer_reached(document: dict[str, Any]) -> None:

@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.certificates import certcheck, diagcheck
-from mcpn.certificates.writing import certificate_of
+from mcpn.certificates.writing import certificate_of, certificate_of_causes
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
@@ -41,6 +41,14 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     path = tmp_path_factory.mktemp("small") / "mission.xml"
     path.write_text(SMALL.lstrip())
     return entries_of(certificate_of(Study(read_mission(path)).verdicts(), max_states=1).to_bytes())
+
+
+@pytest.fixture(scope="module")
+def cuts(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """The certificate of its minimal cut sets."""
+    path = tmp_path_factory.mktemp("cuts") / "mission.xml"
+    path.write_text(SMALL.lstrip())
+    return entries_of(certificate_of_causes(Study(read_mission(path)).causes(), max_states=1).to_bytes())
 
 
 def of_diagcheck(path: str) -> Claims | str:
@@ -74,6 +82,23 @@ def other(entries: dict[str, Any], drawn: random.Random) -> dict[str, Any]:
 def test_both_prove_each_claim_of_a_small_mission(checker: Path, small: dict[str, Any]) -> None:
     assert len(small["diagrams.json"]["claims"]) > 8
     assert agreed(checker, small) == {"proved"}
+
+
+def test_both_prove_minimal_cut_sets(checker: Path, cuts: dict[str, Any]) -> None:
+    assert {claim["kind"] for claim in cuts["diagrams.json"]["claims"]} >= {"safe", "cut_sets"}
+    assert agreed(checker, cuts) == {"proved"}
+
+
+@pytest.mark.parametrize("count", [8, pytest.param(2000, marks=pytest.mark.slow)])
+def test_both_say_the_same_of_changed_cut_sets(
+    checker: Path, cuts: dict[str, Any], fresh_seed: int, count: int
+) -> None:
+    for number in range(count):
+        drawn, entries = random.Random(f"{fresh_seed} {number}"), cuts
+        claims = [claim for claim in cuts["diagrams.json"]["claims"] if claim["kind"] == "cut_sets"]
+        changed = mutant({"claims": claims}, drawn, ("claims",))["claims"]
+        entries = {**cuts, "diagrams.json": {**cuts["diagrams.json"], "claims": changed}}
+        agreed(checker, entries)
 
 
 @pytest.mark.parametrize("number", [-1, 10**12])
