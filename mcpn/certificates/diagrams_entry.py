@@ -9,7 +9,7 @@ from typing import Any
 
 from mcpn._kernel import Store, Zdd
 from mcpn.certificates.certcheck import ENDS, VERSION
-from mcpn.certificates.diagcheck import Families, unknown
+from mcpn.certificates.diagsets import Families, unknown
 from mcpn.certificates.entries import Claimed
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError

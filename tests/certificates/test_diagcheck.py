@@ -45,7 +45,7 @@ def found_of(data: bytes, change: Callable[[Any], Any] = lambda document: None) 
 
 
 def test_it_is_checked_alone_beside_the_other_file(small: bytes, tmp_path: Path) -> None:
-    for name in ("certcheck", "diagcheck"):
+    for name in ("certcheck", "diagcheck", "diagsets"):
         shutil.copy(ROOT / "mcpn" / "certificates" / f"{name}.py", tmp_path)
     (tmp_path / "mission.cert").write_bytes(small)
     command = [sys.executable, "-E", "diagcheck.py", "mission.cert"]
