@@ -191,6 +191,8 @@ def write_atomically(path: Path, data: bytes | str, *, durable: bool = False) ->
         InputError: It cannot be written; what stood there before is untouched.
     """
     try:
+        if found := no_regular_file(path):  # a device or a pipe would be replaced by a file
+            raise InputError.at(Source(str(path)), f"cannot be written: it is {found}")
         content = data.encode() if isinstance(data, str) else data
         beside = _beside(path)
         _sweep(path)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -62,3 +63,18 @@ def test_a_certificate_is_not_asked_for_in_vain(other: list[str], tmp_path: Path
     found = mcpn("check", tmp_path / "m.xml", *other, "--certificate", tmp_path / "m.cert")
     assert (found.returncode, (tmp_path / "m.cert").exists()) == (2, False)
     assert f"--certificate is of all that check says, and {' '.join(other)}" in found.stderr
+
+
+@pytest.mark.parametrize(
+    ("path", "found"), [(".", "a directory"), ("..", "a directory"), ("pipe", "no regular file")]
+)
+def test_what_is_no_file_is_not_replaced(
+    path: str, found: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As ``/dev/null`` was, for who may do that."""
+    monkeypatch.chdir(tmp_path)
+    os.mkfifo("pipe")
+    Path("m.xml").write_text(MISSION.replace('<import href="robot.xml"/>', ROBOT))
+    said = mcpn("check", "m.xml", "--certificate", path)
+    assert (said.returncode, said.stderr) == (2, f"error: {path}: cannot be written: it is {found}\n")
+    assert Path("pipe").is_fifo()
