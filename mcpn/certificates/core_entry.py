@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from mcpn.certificates.certcheck import VERSION
@@ -89,16 +89,19 @@ def _block(section: ParallelSection) -> Entry:
 
 def _robot(usage: Usage) -> Entry:
     mission, started = usage.mission, [usage.activities[name] for name in usage.started]
-    changing = [(event.name, event.sets) for event in mission.events if event.changes_facts]
     return {
         "hardware": [_hardware(each) for each in mission.hardware],
         "software": [{"name": each.name, "exclusive": each.exclusive} for each in mission.software],
         "facts": [{"name": name, "initial": fact.start} for name, fact in usage.world.facts.items()],
-        "events": [
-            {"name": name, "sets": [[change.fact, change.to] for change in sets]} for name, sets in changing
-        ],
+        "events": [_event(name, changes) for name, changes in usage.world.changing.items()],
         "activities": [_activity(each, usage) for each in started],
     }
+
+
+def _event(name: str, changes: Mapping[str, Mapping[str, str]]) -> Entry:
+    """By value of each fact that an event changes the one that it has then."""
+    each = [[fact, was, to] for fact, after in changes.items() for was, to in after.items() if was != to]
+    return {"name": name, "changes": each}
 
 
 def _hardware(hardware: Hardware) -> Entry:

@@ -108,7 +108,7 @@ class CoreMission:
             detects = robot.activities[name]["detects"]
             found |= {("detected", k) for k in detects if k in core.unnoticed}
         for name, changes in robot.changing.items():
-            if not core.facts >= changes.items():
+            if not core.facts.isdisjoint(changes):
                 found.add(("declared", name))
         if core.at == "begin":
             return found | {("start", "")}
@@ -163,7 +163,7 @@ class CoreMission:
         if what == "start":
             at = self.graph.enter(self.graph.entry)
         elif what == "declared" and name in self.robot.changing:
-            facts = changed(facts, self.robot.changing[name])
+            facts = frozenset(self.robot.changing[name].get(fact, fact) for fact in facts)
         elif what == "declared":
             at, had = self.graph.happens(at, name, had, facts) or (at, had)
         else:

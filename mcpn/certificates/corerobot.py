@@ -33,7 +33,7 @@ HARDWARE = {"name": str, "faulty": bool, "shared": bool, "repairable": bool}
 HARDWARE |= {"out": bool, "late": bool, "crash": bool}
 SOFTWARE = {"name": str, "exclusive": bool}
 FACT = {"name": str, "initial": str}
-EVENT = {"name": str, "sets": [[str]]}
+EVENT = {"name": str, "changes": [[str]]}
 WAY = {"name": str, "consumes": [str], "requires": [[str]]}
 ACTIVITY = {"name": str, "produces": [str], "switch_back": bool, "detects": [str], "alternatives": [WAY]}
 ROBOT = {"hardware": [HARDWARE], "software": [SOFTWARE], "facts": [FACT], "events": [EVENT]}
@@ -73,17 +73,20 @@ def so(when: Iterable[Iterable[str]], facts: Facts) -> bool:
 def sound(robot: Json, where: str) -> None:
     """Names differ, facts that are named are there, and what is detected or produced may be."""
     names = {key: [each["name"] for each in robot[key]] for key in ROBOT}
-    sets = [each["sets"] for each in robot["events"]]
-    pairs = [*sets, *(way["requires"] for each in robot["activities"] for way in each["alternatives"])]
+    changes = [each["changes"] for each in robot["events"]]
+    asked = [way["requires"] for each in robot["activities"] for way in each["alternatives"]]
+    said = [*((2, each) for each in asked), *((3, each) for each in changes)]
     produced = [k for each in robot["activities"] for k in each["produces"]]
     detected = {k for each in robot["activities"] for k in each["detects"]}
     wrong = ""
     if any(len(set(each)) < len(each) for each in (*names.values(), produced)):
         wrong = "a name is there twice, or something is produced twice"
-    elif any(len(pair) != 2 or pair[0] not in names["facts"] for each in pairs for pair in each):
+    elif any(len(each) != size or each[0] not in names["facts"] for size, some in said for each in some):
         wrong = "a fact has no value, or is not there"
-    elif any(len({fact for fact, _ in each}) < len(each) for each in sets):
+    elif any(len({(fact, was) for fact, was, _ in each}) < len(each) for each in changes):
         wrong = "an event changes a fact twice"
+    elif any(was == to for each in changes for _, was, to in each):
+        wrong = "an event changes a fact to the value that it has"
     elif {*produced, *names["software"]} & {*names["hardware"]} or detected - {*names["hardware"]}:
         wrong = "hardware is produced or named as software, or what is detected is none"
     certcheck.need(not wrong, f"{where}: {wrong}", certcheck.Malformed)
@@ -100,7 +103,10 @@ class CoreRobot:
         self.hardware = {each["name"]: each for each in document["hardware"]}
         self.activities = {each["name"]: each for each in document["activities"]}
         self.facts: Facts = frozenset((each["name"], each["initial"]) for each in document["facts"])
-        self.changing = {each["name"]: dict(each["sets"]) for each in document["events"]}
+        self.changing = {
+            each["name"]: {(fact, was): (fact, to) for fact, was, to in each["changes"]}
+            for each in document["events"]
+        }
         self.producer = {k: name for name, each in self.activities.items() for k in each["produces"]}
         self.exclusive = {name for name, each in self.hardware.items() if not each["shared"]}
         self.exclusive |= {each["name"] for each in document["software"] if each["exclusive"]}

@@ -63,7 +63,7 @@ class Core {
   std::unique_ptr<Graph> graph;
   std::vector<Hardware> hardware;
   std::vector<std::string> facts, initial;
-  std::map<std::string, Facts> events;
+  std::map<std::string, std::map<Fact, std::string>> events;  // by event, of facts with values those that they have then
   std::vector<Activity> activities;
   std::vector<bool> contended;  // resources: hardware, then software
   std::set<std::string> names;  // of sections
@@ -134,8 +134,16 @@ class Core {
       initial.push_back(text(each.at("initial")));
     }
     for (const Json& each : of.at("events").items) {
-      keys(each, {"name", "sets"}, "an event");
-      events.emplace(text(each.at("name")), once(facts_of(each.at("sets"))));
+      keys(each, {"name", "changes"}, "an event");
+      std::map<Fact, std::string>& changes = events[text(each.at("name"))];
+      for (const Json& change : list(each.at("changes"))) {
+        const Texts said = texts(change);
+        require(said.size() == 3, "a change that is no fact with two values");
+        const auto at = fact_numbers_.find(said[0]);
+        require(at != fact_numbers_.end(), "no fact " + said[0]);
+        require(said[1] != said[2], "a change to the same value");
+        require(changes.emplace(Fact(at->second, said[1]), said[2]).second, "a fact changes twice");
+      }
     }
     std::map<std::size_t, std::size_t> producers;
     for (const Json& each : of.at("activities").items) {
@@ -408,8 +416,8 @@ class Play {
       const bool looks = some(of, [&](std::size_t a, const Doing& doing, const Alternative&) { return doing.does == Does::runs && core_.activities[a].detects.count(h); });
       if (part.out && !part.known && looks) found.insert({"detected", hardware.name});
     }
-    for (const auto& [name, sets] : core_.events)
-      if (std::any_of(sets.begin(), sets.end(), [&](const Fact& each) { return of.facts[each.first] != each.second; })) found.insert({"declared", name});
+    for (const auto& [name, changes] : core_.events)
+      if (std::any_of(changes.begin(), changes.end(), [&](const auto& each) { return of.facts[each.first.first] == each.first.second; })) found.insert({"declared", name});
     if (of.end == "begin") found.insert({"start", ""});
     underway(of.root, [&](const Node& node) {
       const Section& section = *node.at;
@@ -444,7 +452,9 @@ class Play {
       state.end.clear();
       state.root.push_back(entered(*core_.graph, core_.graph->entry));
     } else if (what == "declared") {
-      if (const auto found = core_.events.find(element); found != core_.events.end()) set(state, found->second);
+      if (const auto found = core_.events.find(element); found != core_.events.end())
+        for (std::size_t fact = 0; fact < state.facts.size(); ++fact)
+          if (const auto to = found->second.find({fact, state.facts[fact]}); to != found->second.end()) state.facts[fact] = to->second;
       handled(state, element);
     } else {
       ended(state, what, element, event.size() == 3 ? "failure " + event[2] : what);

@@ -273,7 +273,7 @@ CHANGES: list[tuple[str, Callable[[Any], Any]]] = [
     ("a name is there twice", lambda core: core["robot"]["hardware"].append(core["robot"]["hardware"][0])),
     ("is consumed, but neither", lambda core: core["robot"]["hardware"].clear()),
     ("no activity", lambda core: core["graph"]["sections"][0]["activities"].append("dance")),
-    ("a fact has no value", lambda core: core["robot"]["events"].append({"name": "e", "sets": [["x"]]})),
+    ("a fact has no value", lambda core: core["robot"]["events"].append({"name": "e", "changes": [["x"]]})),
 ]
 
 

@@ -206,7 +206,7 @@ def _block(core: Any) -> Any:
 
 NEVER_SO = {"when": [["nowhere", "yes"]], "to": "succeed"}
 HANDLED = {"event": "shift", "once": "", "to": [{"when": [], "to": "succeed"}], "pauses": 0}
-SHIFTS = {"name": "shift", "sets": [["day", "no"]]}
+SHIFTS = {"name": "shift", "changes": [["day", "yes", "no"]]}
 
 
 def _robot(key: str, **values: Any) -> Callable[[Any], Any]:
@@ -243,7 +243,13 @@ MALFORMED: dict[str, Callable[[Any], Any]] = {
         _objective(core)["handlers"].append(HANDLED),
     ),
     "an event that changes a fact twice": lambda core: core["robot"]["events"].append(
-        {"name": "shift", "sets": [["day", "no"], ["day", "yes"]]}
+        {"name": "shift", "changes": [["day", "no", "yes"], ["day", "no", "late"]]}
+    ),
+    "an event that changes nothing of a fact": lambda core: core["robot"]["events"].append(
+        {"name": "shift", "changes": [["day", "no", "no"]]}
+    ),
+    "a change without the value before": lambda core: core["robot"]["events"].append(
+        {"name": "shift", "changes": [["day", "no"]]}
     ),
     "hardware that is produced": lambda core: core["robot"]["activities"][0]["produces"].append(
         core["robot"]["hardware"][0]["name"]
