@@ -1,4 +1,4 @@
-"""Decorators: outcomes turned round, tries and rounds, time, and what only data decides."""
+"""Decorators: outcomes turned round, tries and rounds, time, what only data decides, and unknown ones."""
 
 from __future__ import annotations
 

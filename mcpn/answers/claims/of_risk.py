@@ -1,4 +1,4 @@
-"""Claims on how probable the ends of a mission are with its rates, and on what each resource is worth."""
+"""Claims on how probable a mission's ends are, what each resource is worth, and which numbers are equal."""
 
 from __future__ import annotations
 

@@ -72,9 +72,6 @@ for the release, and holds nothing (:meth:`~mcpn.mission.static.resource_use.Usa
 Alike: TypeAlias = Callable[[Section], Hashable]
 """Equal for sections that are drawn alike, but for names and for what they lead to."""
 
-MAX_COMBINED = 6
-"""Children of a parallel block up to which each combination of outcomes has a transition of its own."""
-
 
 class Canvas(NetBuilder):
     """A net builder that knows the mission and notes the roles of places.
@@ -87,6 +84,10 @@ class Canvas(NetBuilder):
         facts: Facts that are drawn.
         part: Whether the net is of a part of the mission, which begins with all hardware in service.
         alike: Which sections are drawn alike, where that is known.
+
+    Attributes:
+        most_combined: Branches up to which a block has a transition for each combination of their ends, where
+            a set of templates says it.
     """
 
     def __init__(
@@ -109,7 +110,7 @@ class Canvas(NetBuilder):
         self.ranks = Ranks(usage)
         self.roles: MutableMapping[str, Role] = {}
         self.meetings: dict[str, Meeting] = {}
-        self.most_combined = MAX_COMBINED
+        self.most_combined: int | None = None
         late = {h.name for h in usage.mission.late}
         sections = usage.graph.walk() if late else ()
         self._late = {section.name: self._may_use(section.activities, late) for section in sections}

@@ -12,7 +12,7 @@ from itertools import combinations, compress, product
 from math import comb
 from typing import NamedTuple, TypeAlias
 
-from mcpn.drawing.templates.canvas import MAX_COMBINED, Canvas, Pen
+from mcpn.drawing.templates.canvas import Canvas, Pen
 from mcpn.drawing.templates.facts import FactArcs
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import Branch, ParallelSection
@@ -22,6 +22,9 @@ Continuation: TypeAlias = tuple[str, FactArcs, list[str]]
 
 Continuations: TypeAlias = Callable[[str], Iterable[Continuation]]
 """Says where an outcome leads."""
+
+MAX_COMBINED = 6
+"""Children of a parallel block up to which each combination of outcomes has a transition of its own."""
 
 MAX_DECIDING = 10_000
 """Combinations of branches whose ends decide that of their block, each with a transition."""
@@ -48,7 +51,8 @@ class Leaving(NamedTuple):
     @property
     def combined(self) -> bool:
         """Whether each combination of outcomes has a transition of its own."""
-        return len(self.section.branches) <= self.canvas.most_combined
+        most = self.canvas.most_combined
+        return len(self.section.branches) <= (MAX_COMBINED if most is None else most)
 
     def of_branch(self, branch: Branch, part: str) -> str:
         """A place of a branch."""

@@ -1,4 +1,4 @@
-"""What a file of drivers says: what each activity is, and what it tells."""
+"""What a file of drivers says of each activity: how it is run, told and stopped, and what by default."""
 
 from __future__ import annotations
 
