@@ -436,11 +436,25 @@ class BigSteps:
             not end.
         """
 
+    def after_together(
+        self, starts: Sequence[tuple[Zdd, int]], most_steps: int = 0
+    ) -> tuple[Zdd, list[tuple[Zdd, Firings]]] | None:
+        """The same of several events, each from markings of its own: evolution is run once behind all.
+
+        Returns:
+            The stable markings behind any of them; by event those that are left, and what fired. Where a
+            budget of steps is not 0 and they are more, it raises :class:`BudgetExceeded`.
+        """
+
     def function(self, markings: Zdd, firings: Firings, wide: bool = False) -> bytes | None:
         """What firings make of each of the markings in which they happened, as one function.
 
         It is of these markings alone, unless it may be wide: then it is of others, too, where that makes it
-        smaller, and is asked of reachable ones only. It is ``None`` where it is too large.
+        smaller, and is asked of reachable ones only. It is ``None`` where it is too large. What an evolution
+        makes of the markings that its events made is found once for those of its events that come in a row.
+
+        Raises:
+            ValueError: The event can happen in none of the markings.
         """
 
 @disjoint_base

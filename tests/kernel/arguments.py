@@ -280,6 +280,9 @@ class Caller:
             return None
 
     def keep(self, found: Any) -> None:
+        if type(found) is tuple:
+            for one in found:
+                self.keep(one)
         if type(found) in ANSWERS:
             self.made[type(found)].append(found)
 
@@ -365,7 +368,7 @@ CLASSES: dict[type, Callable[[Caller], tuple[Any, ...]]] = {
         me.random.choice((0, 1, 300)),
     ),
 }
-ANSWERS = {*CLASSES, kernel.Zdd, kernel.Markings, kernel.Exploration, kernel.Explorer}
+ANSWERS = {*CLASSES, kernel.Zdd, kernel.Firings, kernel.Markings, kernel.Exploration, kernel.Explorer}
 BOTH = lambda me, _: (me.some(kernel.Zdd),)  # noqa: E731
 NOTHING = lambda me, _: ()  # noqa: E731
 METHODS: dict[str, Callable[[Caller, Any], tuple[Any, ...]]] = {
@@ -442,6 +445,15 @@ METHODS: dict[str, Callable[[Caller, Any], tuple[Any, ...]]] = {
     "BigSteps.start": lambda me, _: (me.some(kernel.Store),),
     "BigSteps.cover": lambda me, _: (me.some(kernel.Zdd), me.number(7), me.random.randrange(4)),
     "BigSteps.after": lambda me, _: (me.some(kernel.Zdd), me.number(7)),
+    "BigSteps.after_together": lambda me, _: (
+        me.few(lambda: (me.some(kernel.Zdd), me.number(7)), 3),
+        me.limit(),
+    ),
+    "BigSteps.function": lambda me, _: (
+        me.some(kernel.Zdd),
+        me.random.choice(me.made[kernel.Firings] or [None]),
+        me.flag(),
+    ),
     "SafeNet.explore": lambda me, _: (me.numbers(), me.flag(), me.limit(), me.bytes_limit()),
     "SafeNet.explorer": lambda me, _: (me.numbers(), me.bytes_limit(), me.flag()),
     "SafeNet.labels": lambda me, _: (me.rows(),),

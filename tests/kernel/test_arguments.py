@@ -52,6 +52,25 @@ def test_big_steps_are_of_a_net_with_priorities() -> None:
         kernel.BigSteps(kernel.SafeNet(2, NET, False), [0], [0, 1], [], 1 << 20, 100, 300)
 
 
+def test_a_function_of_no_marking_is_refused() -> None:
+    """It was encoded as the one that changes no marking."""
+    net = kernel.SafeNet(2, [([0], [0], [1], 65535, False)], True)
+    steps = kernel.BigSteps(net, [0], [0, 1], [], 4 << 20, 100, 300)
+    store = kernel.Store(2)
+    begun = steps.start(store)
+    assert begun is not None
+    found = steps.after(begun, 0)
+    assert found is not None
+    after, left, firings = found
+    assert after == store.singleton([1])
+    assert not left
+    assert steps.function(begun, firings)
+    for none in (store.empty(), after):
+        for wide in (False, True):
+            with pytest.raises(ValueError, match="a function of no marking"):
+                steps.function(none, firings, wide)
+
+
 def test_a_transition_is_no_rival_of_its_own() -> None:
     """One that puts back what it takes was looked for as what may crowd it, and read beyond all places."""
     drawn = [([1], [1], [2, 0, 1], 1, False), ([0], [0], [0], 1, False), ([], [], [1], 65535, False)]

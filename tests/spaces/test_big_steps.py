@@ -72,6 +72,7 @@ def stepped(
     encoding = Encoding(net, order or tuple(range(len(net.places))), DEFAULT_MEMORY)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(big_steps, "FEW_STEPS", few)
+        patch.setattr(big_steps, "MANY_EVENTS", few)  # with few big steps few events are run together, too
         patch.setattr(big_steps, "FEW_CASES", cases)
         found = reach_in_big_steps(KernelNet(net), encoding)
     if found is None:
@@ -356,6 +357,8 @@ def test_what_is_asked_wrongly_is_refused() -> None:
     label = next(i for i, t in enumerate(prepared.transitions) if not net.transitions[t].internal)
     with pytest.raises(ValueError, match="no such event"):
         kernel.after(start, 0)
+    with pytest.raises(ValueError, match="no event is given"):
+        kernel.after_together([])
     assert kernel.cover(start, label, 0) == (b"", 0, False)
     with pytest.raises(ValueError, match="without a level"):
         BigSteps(prepared.kernel, prepared.initial, [*places[:-1], -1], [], 1 << 30, 100, 300)

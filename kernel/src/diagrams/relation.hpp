@@ -27,6 +27,7 @@ class Relations {
   explicit Relations(std::size_t most) { clear(most); }
 
   void clear(std::size_t most);
+  void allow(std::size_t more) { most_ = parts_.size() + more; }  // beside those that there are
   std::size_t size() const { return parts_.size(); }
 
   Id way(std::span<const Touched> way);

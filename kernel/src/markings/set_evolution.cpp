@@ -1,6 +1,8 @@
 #include "markings/set_evolution.hpp"
 
 #include <algorithm>
+#include <deque>
+#include <stdexcept>
 
 #include "markings/bits.hpp"
 
@@ -11,7 +13,6 @@ namespace {
 constexpr std::size_t kNever = ~std::size_t(0);
 constexpr std::size_t kMostFirings = 100'000;  // behind one event
 constexpr std::uint32_t kOften = 4;            // of one transition: it is looked ahead from then on
-constexpr std::size_t kMostParts = 2'000'000;  // of functions
 constexpr std::size_t kMostCases = 300;        // in which a transition may not fire alone
 constexpr std::size_t kWide = 4;               // so many parts of a function for each level are few
 constexpr std::size_t kAtATime = 16;           // functions that are composed before they are with those before them
@@ -49,49 +50,94 @@ bool meet_in_unit(const Stubborn& stubborn, const std::vector<std::uint32_t>& so
 }  // namespace
 
 SetEvolution::SetEvolution(const SafeNet& net, const Places& initial, Levels levels, std::size_t few_cases)
-    : net_(net), levels_(std::move(levels)), few_cases_(few_cases), stubborn_(net, initial), clashes_(net, levels_, stubborn_), relations_(kMostParts),
+    : net_(net), levels_(std::move(levels)), few_cases_(few_cases), stubborn_(net, initial), clashes_(net, levels_, stubborn_),
       steps_(net.firings_.size()), has_won_(net.firings_.size() / 64 + 1) {}
 
-std::optional<SetEvolution::Evolved> SetEvolution::after(Store& store, Node markings, std::uint32_t event) {
+std::optional<SetEvolution::Evolved> SetEvolution::after(Store& store, const std::vector<Start>& starts) {
   begin(store);
-  Held at(store, markings), left(store, 0);
-  if (!run(store, at, left, event)) return std::nullopt;
-  return Evolved{at, store.meet(left, markings), std::move(fired_)};
+  Held at(store, 0), left(store, 0);
+  for (const Start& start : starts) {
+    Held one(store, start.markings);
+    if (!fire(store, one, one, {start.event, {}})) return std::nullopt;
+    at = store.join(at, one);
+  }
+  fired_.clear();
+  const Held begun(store, at);
+  if (!run(store, at, left)) return std::nullopt;
+  Evolved found{at, begun, {}, {}, ++evolutions_};
+  std::deque<Held> kept;
+  for (const Start& start : starts) {
+    Node of = 0;
+    if (left) of = store.meet(undone(store, left, {start.event, {}}), start.markings);
+    kept.emplace_back(store, of);
+    found.left.push_back(of);
+  }
+  found.fired = std::move(fired_);
+  return found;
 }
 
-std::optional<SetEvolution::Table> SetEvolution::function(Store& store, Node markings, const std::vector<Fired>& fired, bool wide) {
+std::optional<SetEvolution::Table> SetEvolution::function(Store& store, const Start& start, const Evolved& evolved, bool wide) {
   begin(store);
-  const auto made = [&](std::size_t most, bool beyond) -> std::optional<Table> {
-    relations_.clear(most);
-    among_.clear();
-    try {
-      const Id domain = beyond ? hull(store, markings) : among(store, markings, 0);
-      Id whole = relations_.then(domain, relations_.way(step(store, fired.front().t).way)), some = Relations::kSame;
-      for (std::size_t i = 1; i < fired.size(); ++i) {
-        some = relations_.then(some, fires(relations_, store, fired[i], false));
-        if (i % kAtATime && i + 1 < fired.size()) continue;
-        whole = relations_.then(whole, some);
-        some = Relations::kSame;
-      }
-      return relations_.table(whole);
-    } catch (const Relations::Full&) {
-      return std::nullopt;
+  const std::size_t most = kWide * store.levels + evolved.fired.size() * store.size(evolved.begun) / 4;
+  std::optional<Table> found = wide ? function(store, start, evolved, true, std::min(kMostParts, most)) : std::nullopt;
+  return found ? found : function(store, start, evolved, false, kMostParts);
+}
+
+std::optional<SetEvolution::Table> SetEvolution::function(Store& store, const Start& start, const Evolved& evolved, bool wide, std::size_t most) {
+  find(store, evolved, wide, most);
+  Behind& behind = behind_[wide];
+  if (!behind.whole) return std::nullopt;
+  Relations& relations = behind.relations;
+  relations.allow(most);
+  try {
+    const Id begun = relations.then(domain(relations, store, start.markings, wide), relations.way(step(store, start.event).way));
+    const Id whole = relations.then(begun, *behind.whole);
+    // A table of nothing would say that nothing changes.
+    if (whole == Relations::kNever) throw std::invalid_argument("a function of no marking");
+    return relations.table(whole);
+  } catch (const Relations::Full&) {
+    return std::nullopt;
+  }
+}
+
+// Composes what has fired in an evolution, unless that is done.
+void SetEvolution::find(Store& store, const Evolved& evolved, bool wide, std::size_t most) {
+  Behind& behind = behind_[wide];
+  Relations& relations = behind.relations;
+  if (behind.number == evolved.number && relations.size() <= kMostParts) return;
+  behind.number = 0;
+  behind.whole.reset();
+  relations.clear(most);
+  try {
+    Id whole = domain(relations, store, evolved.begun, wide), some = Relations::kSame;
+    for (std::size_t i = 0; i < evolved.fired.size(); ++i) {
+      some = relations.then(some, fires(relations, store, evolved.fired[i], false));
+      if ((i + 1) % kAtATime && i + 1 < evolved.fired.size()) continue;
+      whole = relations.then(whole, some);
+      some = Relations::kSame;
     }
-  };
-  const std::size_t most = kWide * store.levels + fired.size() * store.size(markings) / 4;
-  std::optional<Table> found = wide ? made(std::min(kMostParts, most), true) : std::nullopt;
-  return found ? found : made(kMostParts, false);
+    const Table kept = relations.table(whole);  // the parts of what it was composed of are many times as many
+    relations.clear(kMostParts);
+    behind.whole = whole == Relations::kNever ? whole : relations.from_table(kept, [](Touch touch) { return touch; });
+  } catch (const Relations::Full&) {
+    relations.clear(kMostParts);
+  }
+  behind.number = evolved.number;
 }
 
-// Leaves markings as they are that mark no place which none of some does.
-SetEvolution::Id SetEvolution::hull(Store& store, Node markings) {
+// Leaves markings of a set as they are; if it is wide, all that mark no place which none of the set does. It is of no others.
+SetEvolution::Id SetEvolution::domain(Relations& relations, Store& store, Node markings, bool wide) {
+  if (!wide) {
+    among_.clear();
+    return among(relations, store, markings, 0);
+  }
   if (markings == 0) return Relations::kNever;
   const std::vector<Word> marked = clashes_.marked_in(store, markings);
   Way way;
   for (std::uint32_t p = 0; p < levels_.size(); ++p)
     if (!has_bit(marked.data(), p)) way.push_back(literal(p, false));
   sort(way);
-  return relations_.way(way);
+  return relations.way(way);
 }
 
 void SetEvolution::begin(Store& store) {
@@ -111,9 +157,8 @@ void SetEvolution::begin(Store& store) {
 }
 
 // Runs markings on until none of them enables anything; notes those from which they cannot all be run so.
-bool SetEvolution::run(Store& store, Held& markings, Held& left, std::uint32_t event) {
+bool SetEvolution::run(Store& store, Held& markings, Held& left) {
   const Held begun(store, markings);
-  if (!fire(store, markings, markings, {event, {}})) return false;
   while (!won_.empty()) {
     if (fired_.size() > kMostFirings) return false;
     if (store.stop || (store.asked_to_stop && store.asked_to_stop())) throw Interrupted();
@@ -127,7 +172,8 @@ bool SetEvolution::run(Store& store, Held& markings, Held& left, std::uint32_t e
       if (net_.rank_end_[t] == end && !step(store, t).never) stuck = store.join(stuck, store.filter(markings, step(store, t).enabled));
     markings = store.minus(markings, stuck);
     enabled_.assign(net_.firings_.size(), Enabled::kUnknown);
-    left = store.join(left, store.meet(before(store, stuck, fired_.size()), begun));
+    for (std::size_t i = fired_.size(); i-- > 0;) stuck = undone(store, stuck, fired_[i]);
+    left = store.join(left, store.meet(stuck, begun));
   }
   return true;
 }
@@ -316,14 +362,10 @@ SetEvolution::Id SetEvolution::fires(Relations& relations, Store& store, const F
   return relations.either(moved, same);
 }
 
-// The markings, reachable or not, of which the first firings made some.
-Node SetEvolution::before(Store& store, Node markings, std::size_t firings) {
-  Held at(store, markings);
-  for (std::size_t i = firings; i-- > 0;) {
-    Relations one(kMostParts);
-    at = store.image(at, one.suffix(store, fires(one, store, fired_[i], true)));
-  }
-  return at;
+// The markings, reachable or not, of which a firing made some.
+Node SetEvolution::undone(Store& store, Node markings, const Fired& fired) {
+  Relations one(kMostParts);
+  return store.image(markings, one.suffix(store, fires(one, store, fired, true)));
 }
 
 Node SetEvolution::without(Store& store, Node markings, const std::vector<Way>& conditions) {
@@ -358,6 +400,7 @@ std::vector<SetEvolution::Way> SetEvolution::others(Store& store, Node markings,
 // Conditions of some of the markings in which what conflicts with it is in reach; in the others nothing is. A marking in
 // which nothing is tells so of all that leave the same places empty, another one of all that have the same tokens.
 std::optional<std::vector<SetEvolution::Way>> SetEvolution::clashing(Store& store, Node enabled, std::uint32_t t) {
+  if (step(store, t).many) return std::nullopt;
   std::vector<std::uint32_t>& known = step(store, t).alone;
   std::vector<std::pair<std::uint32_t, Way>>& beside = step(store, t).beside;
   std::vector<Way> found;
@@ -381,7 +424,10 @@ std::optional<std::vector<SetEvolution::Way>> SetEvolution::clashing(Store& stor
       many = true;
       continue;
     }
-    if (beside.size() >= kMostCases) return std::nullopt;
+    if (beside.size() >= kMostCases) {
+      step(store, t).many = true;
+      return std::nullopt;
+    }
     marked.clear();
     store.pick(left, marked);
     std::fill(held.begin(), held.end(), false);
@@ -448,15 +494,15 @@ SetEvolution::Step& SetEvolution::step(Store& store, std::uint32_t t) {
 }
 
 // The function that leaves markings of a set as they are, and is of no others.
-SetEvolution::Id SetEvolution::among(Store& store, Node markings, Level from) {
+SetEvolution::Id SetEvolution::among(Relations& relations, Store& store, Node markings, Level from) {
   if (markings == 0) return Relations::kNever;
   while (from < store.levels && !of_place_[from]) ++from;
   if (from == store.levels) return Relations::kSame;
   const std::uint64_t key = std::uint64_t(markings) << 32 | from;
   if (const auto known = among_.find(key); known != among_.end()) return known->second;
   const bool here = store.level(markings) == from;
-  const Id without = among(store, here ? store.lo(markings) : markings, from + 1);
-  const Id made = relations_.looks(from, without, here ? among(store, store.hi(markings), from + 1) : Relations::kNever);
+  const Id without = among(relations, store, here ? store.lo(markings) : markings, from + 1);
+  const Id made = relations.looks(from, without, here ? among(relations, store, store.hi(markings), from + 1) : Relations::kNever);
   among_.emplace(key, made);
   return made;
 }

@@ -1,7 +1,8 @@
-// What an event makes of a set of stable markings, all at once: internal transitions fire one after the other, each in
-// all markings of the set that enable it, and their images take the place of these.
+// What events make of sets of stable markings, all at once: internal transitions fire one after the other, each in all
+// markings behind these events that enable it, and their images take the place of these.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <unordered_map>
@@ -34,18 +35,26 @@ class SetEvolution {
     std::uint32_t t;
     std::vector<Way> beside;
   };
-  // What an event makes of some markings that enable it: the stable ones behind them; those that are left, for in some
-  // marking behind them no transition may fire alone; the event and what has fired behind it, one after the other.
-  struct Evolved {
-    Node after, left;
-    std::vector<Fired> fired;
+  // An event, and some stable markings that enable it.
+  struct Start {
+    Node markings;
+    std::uint32_t event;
   };
-  // Nothing where a firing is unsafe, or where there is no end.
-  std::optional<Evolved> after(Store& store, Node markings, std::uint32_t event);
-  // What an event and firings behind it make of some markings in which they happened: a table of Relations that leaves levels
-  // of no place alone; nothing where it has too many parts. It is of no other markings, unless it may be wide, for it is
-  // asked of no others: then it is of all that mark no more places than these together, if that has few parts.
-  std::optional<Table> function(Store& store, Node markings, const std::vector<Fired>& fired, bool wide);
+  // What events make of markings: the stable ones behind them; by event those that are left, for in some marking behind them
+  // no transition may fire alone; and what has fired behind the events, one after the other.
+  struct Evolved {
+    Node after, begun;       // begun: the markings that the events made
+    std::vector<Node> left;
+    std::vector<Fired> fired;
+    std::uint64_t number;    // which evolution it was
+  };
+  // Nothing where a firing is unsafe, or where there is no end. Evolution is the same behind whichever event it is, so it is
+  // run of all at once.
+  std::optional<Evolved> after(Store& store, const std::vector<Start>& starts);
+  // What an event and the evolution behind it make of some markings from which it was run: a table of Relations that leaves
+  // levels of no place alone; nothing where it has too many parts. It is of no other markings, unless it may be wide, for it
+  // is asked of no others: then it is of all that mark no more places than these together, if that has few parts.
+  std::optional<Table> function(Store& store, const Start& start, const Evolved& evolved, bool wide);
 
  private:
   using Id = Relations::Id;
@@ -58,13 +67,15 @@ class SetEvolution {
     // Conditions under which it may fire alone, and under which it may not; the latter also as suffixes.
     std::vector<std::uint32_t> alone;
     std::vector<std::pair<std::uint32_t, Way>> beside;
+    bool many = false;  // so many that they were not all found
   };
   // How it goes on: a transition has fired; none is enabled; some are, but none may fire alone; a firing is unsafe.
   enum class Went { kOn, kEnd, kStuck, kUnsafe };
 
   enum class Enabled : std::uint8_t { kUnknown, kNone, kSome };
 
-  bool run(Store& store, Held& markings, Held& left, std::uint32_t event);
+  bool run(Store& store, Held& markings, Held& left);
+  std::optional<Table> function(Store& store, const Start& start, const Evolved& evolved, bool wide, std::size_t most);
   Went fire_first(Store& store, Held& markings, std::uint32_t end);
   bool in_some(Store& store, Node markings, std::uint32_t t);
   void see_ahead(Store& store, Node markings);
@@ -76,12 +87,20 @@ class SetEvolution {
   std::vector<Way> others(Store& store, Node markings, std::uint32_t t);
   std::optional<std::vector<Way>> clashing(Store& store, Node enabled, std::uint32_t t);
   Node without(Store& store, Node markings, const std::vector<Way>& conditions);
+  // The function of an evolution, of all markings that its events made; kept for its other events.
+  struct Behind {
+    std::uint64_t number = 0;
+    std::optional<Id> whole;  // nothing where it has too many parts
+    Relations relations{kMostParts};
+  };
+  static constexpr std::size_t kMostParts = 2'000'000;
+  void find(Store& store, const Evolved& evolved, bool wide, std::size_t most);
+  Id domain(Relations& relations, Store& store, Node markings, bool wide);
   Id fires(Relations& relations, Store& store, const Fired& fired, bool back);
-  Node before(Store& store, Node markings, std::size_t firings);
+  Node undone(Store& store, Node markings, const Fired& fired);
   Step& step(Store& store, std::uint32_t t);
   void begin(Store& store);
-  Id hull(Store& store, Node markings);
-  Id among(Store& store, Node markings, Level from);
+  Id among(Relations& relations, Store& store, Node markings, Level from);
   Touched literal(std::uint32_t place, bool marked) const {
     return {levels_[place].first, marked != levels_[place].second ? Touch::read : Touch::zero};
   }
@@ -91,7 +110,7 @@ class SetEvolution {
   const std::size_t few_cases_;
   Stubborn stubborn_;
   SetClashes clashes_;
-  Relations relations_;
+  Behind behind_[2];                  // by whether it is wide
   const Store* store_ = nullptr;      // whose suffixes those of steps are
   std::vector<Step> steps_;
   std::vector<bool> of_place_;        // levels
@@ -101,7 +120,8 @@ class SetEvolution {
   std::vector<Word> ahead_;           // by transition, those that it may lead to
   std::size_t ahead_words_ = 0, next_look_ = 0;  // after so many firings it is looked ahead
   std::vector<std::uint32_t> times_;  // by transition, how often it has fired
-  std::vector<Fired> fired_;          // the event and what has fired since
+  std::vector<Fired> fired_;          // behind the events
+  std::uint64_t evolutions_ = 0;
   std::unordered_map<std::uint64_t, Id> among_;
 };
 

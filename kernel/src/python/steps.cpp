@@ -6,6 +6,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <memory>
 #include <span>
 #include <string>
 #include <tuple>
@@ -136,7 +137,7 @@ std::vector<std::uint64_t> choices(PyStore& s, const nb::bytes& data, const std:
   return made;
 }
 
-struct Firings { const SafeNet* net; std::vector<SetEvolution::Fired> fired; };
+struct Firings { const SafeNet* net; std::uint32_t event; std::shared_ptr<const SetEvolution::Evolved> evolved; Handle begun; };
 
 class PyBigSteps {
  public:
@@ -166,27 +167,48 @@ class PyBigSteps {
     if (!open(found.has_value())) return std::nullopt;
     return std::tuple(packed(found->first), found->first.size(), found->second);
   }
+  using Behind = std::tuple<Handle, Firings>;
   std::optional<std::tuple<Handle, Handle, Firings>> after(const Handle& markings, std::uint32_t event) {
-    check(*markings.owner);
-    if (!net_.is_event(event)) throw std::invalid_argument("no such event");
-    std::optional<SetEvolution::Evolved> found;
-    std::optional<Handle> left;
-    const Handle made = computed(markings.owner, [&](Store& store) {
-      evolved_ = markings.owner;
-      found = evolution_.after(store, markings.node, event);
-      if (found) left.emplace(markings.owner, found->left);
-      return found ? found->after : 0;
-    });
+    auto found = after_together({{markings, event}}, 0);
     if (!found) return std::nullopt;
-    return std::tuple(made, *left, Firings{&net_, std::move(found->fired)});
+    auto& [left, firings] = std::get<1>(*found).front();
+    return std::tuple(std::get<0>(*found), left, firings);
+  }
+  std::optional<std::tuple<Handle, std::vector<Behind>>> after_together(const std::vector<std::tuple<Handle, std::uint32_t>>& events,
+                                                                        std::uint64_t most_steps) {
+    if (events.empty()) throw std::invalid_argument("no event is given");
+    const Handle& first = std::get<0>(events.front());
+    check(*first.owner);
+    std::vector<SetEvolution::Start> starts;
+    for (const auto& [markings, event] : events) {
+      first.same_store(markings);
+      if (!net_.is_event(event)) throw std::invalid_argument("no such event");
+      starts.push_back({markings.node, event});
+    }
+    std::shared_ptr<const SetEvolution::Evolved> evolved;
+    std::vector<Handle> kept;  // where evolution began, and the markings that are left, by event
+    const Handle made = computed(first.owner, [&](Store& store) {
+      evolved_ = first.owner;
+      std::optional<SetEvolution::Evolved> found = evolution_.after(store, starts);
+      if (!found) return Node(0);
+      evolved = std::make_shared<const SetEvolution::Evolved>(std::move(*found));
+      kept.emplace_back(first.owner, evolved->begun);
+      for (const Node left : evolved->left) kept.emplace_back(first.owner, left);
+      return evolved->after;
+    }, 0, most_steps);
+    if (!evolved) return std::nullopt;
+    std::vector<Behind> behind;
+    for (std::size_t i = 0; i < starts.size(); ++i) behind.emplace_back(kept[i + 1], Firings{&net_, starts[i].event, evolved, kept[0]});
+    return std::tuple(made, std::move(behind));
   }
   std::optional<nb::bytes> function(const Handle& markings, const Firings& firings, bool wide) {
     check(*markings.owner);
     if (firings.net != &net_) throw std::invalid_argument("firings of another net");
+    markings.same_store(firings.begun);
     std::optional<Numbers> table;
     markings.owner->run([&] {
       evolved_ = markings.owner;
-      table = evolution_.function(markings.owner->store, markings.node, firings.fired, wide);
+      table = evolution_.function(markings.owner->store, {markings.node, firings.event}, *firings.evolved, wide);
     });
     if (!table) return std::nullopt;
     table->insert(table->begin(), {kFunction, std::uint32_t(table->size())});
@@ -254,6 +276,7 @@ void bind_steps(nb::module_& module) {
       .def("start", &PyBigSteps::start, nb::arg("store"))
       .def("cover", &PyBigSteps::cover, nb::arg("markings"), nb::arg("event"), nb::arg("most"))
       .def("after", &PyBigSteps::after, nb::arg("markings"), nb::arg("event"))
+      .def("after_together", &PyBigSteps::after_together, nb::arg("starts"), nb::arg("most_steps") = 0)
       .def("function", &PyBigSteps::function, nb::arg("markings"), nb::arg("firings"), nb::arg("wide") = false);
   module.def("choices", [](const std::shared_ptr<PyStore>& s, const nb::bytes& ways, const std::string& as,
                            const std::vector<std::int64_t>& marked) { return choices(*s, ways, as, marked); },

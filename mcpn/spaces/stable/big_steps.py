@@ -21,7 +21,7 @@ from itertools import chain
 from typing import Literal, TypeAlias
 
 from mcpn._kernel import BigSteps as KernelSteps
-from mcpn._kernel import Firings, MemoryLimit, StateLimit, Zdd, choices
+from mcpn._kernel import BudgetExceeded, Firings, MemoryLimit, StateLimit, Zdd, choices
 from mcpn.spaces.algebra import Guards
 from mcpn.spaces.diagrams.closing import chained
 from mcpn.spaces.diagrams.encoding import Encoding, distinct
@@ -44,6 +44,8 @@ FEW_STEPS = 8
 branches apart, it is run from whole sets of states."""
 FEW_CASES = 100
 """Cases that may tell where a transition may fire alone, before it is asked of whole sets of states."""
+MANY_EVENTS = 30
+"""Events that are run together; fewer mostly lead to different states, and each has a smaller diagram."""
 MOST_KEPT = 100_000
 """Transient markings that the proof may keep behind one event."""
 
@@ -145,8 +147,13 @@ class _Reaching:
         """By transition whose big steps are found one by one, the states of which they are found."""
         self._done: dict[int, Zdd] = {}
         """By transition that is run from whole sets of states, the last one."""
-        self._fired: dict[int, tuple[Zdd, Firings]] = {}
-        """By transition that is run so, those states that it was run from, and what fired."""
+        self._fired: dict[int, tuple[Zdd, Firings, int]] = {}
+        """By transition that is run so, where it was run from, what fired, and in which evolution."""
+        self._evolutions = 0
+        self._alone = 0
+        """Steps of the store that the last event took that was run from a whole set alone."""
+        self._together = True
+        """Whether events are run together, which is quicker where they lead to the same."""
 
     def search(self) -> tuple[Zdd, dict[int, bytes]] | None:
         """All stable states and the big steps between them, as :func:`reach_in_big_steps` finds them.
@@ -160,32 +167,29 @@ class _Reaching:
         begun = reached - reached
         while reached != begun:
             begun = reached
-            for done in (False, True):
-                for label, t in self._events:
-                    if (t in self._done) == done:
-                        after = self._after(label, t, reached)
-                        if after is None:
-                            return None
-                        reached |= after
-                reached = self._closed(reached)
+            for label, t in self._events:
+                if t not in self._done:
+                    after = self._after(label, t, reached)
+                    if after is None:
+                        return None
+                    reached |= after
+            all_ = self._after_all(self._closed(reached))
+            if all_ is None:
+                return None
+            reached = self._closed(all_)
         return (reached, self._steps) if self._made_functions() else None
 
     def _after(self, label: int, t: int, states: Zdd) -> Zdd | None:
-        """The states after an event from those not asked yet; ``None`` where it has no outcome.
-
-        Of an event that is run from whole sets, those after big steps that are found one by one are not among
-        them.
-        """
-        if t not in self._done:
-            fresh = states - self._covered[t] if t in self._covered else states
-            if not fresh:
-                return fresh
-            if not self._cover_few(label, t, fresh):
-                return None
-            if t not in self._done:
-                self._covered[t] = states
-                return fresh.images(self._ahead.get(t, []))
-        return self._after_all(label, t, states)
+        """The states after an event from those not asked yet; ``None`` where it has no outcome."""
+        fresh = states - self._covered[t] if t in self._covered else states
+        if not fresh:
+            return fresh
+        if not self._cover_few(label, t, fresh):
+            return None
+        if t in self._done:
+            return states - states
+        self._covered[t] = states
+        return fresh.images(self._ahead.get(t, []))
 
     def _closed(self, states: Zdd) -> Zdd:
         """Some states, and those to which the big steps that were found one by one lead from them."""
@@ -244,36 +248,88 @@ class _Reaching:
         self._ahead.setdefault(t, []).extend(choices(store, ways, "ahead", ()))
         self._known[t] += choices(store, ways, "where", ())
 
-    def _after_all(self, label: int, t: int, states: Zdd) -> Zdd | None:
-        """The states after an event from all if it was not run from some; ``None`` where it has no outcome.
+    def _after_all(self, reached: Zdd) -> Zdd | None:
+        """Some states and those after all events that are run from whole sets, but for big steps.
 
-        Those after big steps that are found one by one are not among them.
+        When one has been run, all are run together, unless that takes long beside it.
+
+        Returns:
+            ``None`` where one has no outcome.
+        """
+        done = [(label, t) for label, t in self._events if t in self._done]
+        for number, (label, t) in enumerate(done):
+            if not (asked := self._asked(reached, t)):
+                continue
+            states = reached
+            after = self._after_alone(label, t, asked)
+            if after is None:
+                return None
+            reached |= after
+            self._done[t] = states
+            rest = [(other, u, where) for other, u in done[number + 1 :] if (where := self._asked(states, u))]
+            if self._together and len(rest) >= MANY_EVENTS:
+                more = self._after_together([(label, t, asked), *rest], states)
+                if more is not None:
+                    return reached | more
+                self._together = False
+        return reached
+
+    def _asked(self, states: Zdd, t: int) -> Zdd:
+        """States from which an event is run, none where it has been run from all.
+
+        They are not the fresh ones alone: whole sets have smaller diagrams.
         """
         fresh = self._enabling(states - self._done[t], t)
-        if not fresh:
-            return fresh
-        asked = self._enabling(states, t)  # not the fresh ones alone: whole sets have smaller diagrams
+        return self._enabling(states, t) if fresh else fresh
+
+    def _after_alone(self, label: int, t: int, asked: Zdd) -> Zdd | None:
+        """The states after an event from some; ``None`` where it has no outcome."""
         found = self._kernel.after(asked, label)
+        self._alone = self._encoding.store.steps
         if found is None:
             return None
         after, left, firings = found
         if left and not self._cover(label, t, left):
             return None
-        self._done[t], self._fired[t] = states, (asked - left, firings)
+        self._evolutions += 1
+        self._fired[t] = (asked - left, firings, self._evolutions)
         return after
+
+    def _after_together(self, events: list[tuple[int, int, Zdd]], states: Zdd) -> Zdd | None:
+        """The states after some events, whose internal evolution is run once behind all of them.
+
+        Args:
+            events: The events, and from which states each is run.
+            states: All states that are reached.
+
+        Returns:
+            ``None`` where it takes more than half of what all might alone, as the last one did, or an
+            event cannot be run so from some states.
+        """
+        try:
+            starts = [(where, label) for label, _, where in events]
+            found = self._kernel.after_together(starts, max(self._alone * len(events) // 2, 1))
+        except BudgetExceeded:
+            return None
+        if found is None or any(left for left, _ in found[1]):
+            return None
+        self._evolutions += 1
+        for (_, t, where), (_, firings) in zip(events, found[1], strict=True):
+            self._done[t], self._fired[t] = states, (where, firings, self._evolutions)
+        return found[0]
 
     def _made_functions(self) -> bool:
         """Makes functions of what fired from whole sets; false where even big steps are too many."""
-        for label, t in self._events:
-            if t in self._fired:
-                asked, firings = self._fired[t]
-                if not asked:  # a function of no state is encoded as one that changes no state
-                    continue
-                function = self._kernel.function(asked, firings, wide=not self._known[t])
-                if function is not None:
-                    self._steps[t] = function + self._steps.get(t, b"")
-                elif not self._cover(label, t, asked):
-                    return False
+        labels = {t: label for label, t in self._events if t in self._fired}
+        for t in sorted(labels, key=lambda t: self._fired[t][2]):  # those of one evolution in a row
+            asked, firings, _ = self._fired[t]
+            if not asked:
+                continue
+            function = self._kernel.function(asked, firings, wide=not self._known[t])
+            if function is not None:
+                self._steps[t] = function + self._steps.get(t, b"")
+            elif not self._cover(labels[t], t, asked):
+                return False
         return True
 
 
