@@ -206,3 +206,13 @@ def test_a_changed_machine_is_no_longer_told_alike(ulysse_net: MissionNet) -> No
             broken = list(machine.moves)
             broken[number] = replace(move, actions=(*move.actions, PlannedAction("stop", "nothing")))
             assert not is_bisimulation(replace(machine, moves=tuple(broken)), classes)
+
+
+FACTS = ("door=open",)
+
+
+@pytest.mark.parametrize("changing", [Move(1, 0, 2, (), gained=FACTS), Move(1, 0, 2, (), lost=FACTS)])
+def test_what_becomes_of_facts_keeps_states_apart(changing: Move) -> None:
+    """Two states that show the same and move alike, but for what the move makes true or false of a fact."""
+    shown, moves = (Situation(),) * 3, (Move(0, 0, 2, ()), changing)
+    assert partition(SectionMachine((), (Event.parse("a_EV"),), shown, (Entry(0, ()),), moves)) == [0, 1, 2]

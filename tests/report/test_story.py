@@ -6,6 +6,8 @@ import hashlib
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 from hypothesis import given
@@ -89,6 +91,15 @@ def test_a_yes_says_what_it_leaves_open(severities: tuple[str, ...], answer: str
     assert said["May it go?"] == ("holds", f"Yes. All required verdicts hold{answer}.")
 
 
+@pytest.mark.parametrize(("undecided", "unanswered"), [(2, 0), (0, 1), (2, 1)])
+def test_what_is_not_proved_is_counted(undecided: int, unanswered: int) -> None:
+    """Verdicts and requirements without an answer, together."""
+    open_ones = {"undecided": ("v",) * undecided, "unanswered": ("r",) * unanswered}
+    line = verdict_of_all(cast("Any", SimpleNamespace(failing=(), violated=(), passed=False, **open_ones)))
+    assert line.state == "unknown"
+    assert line.said == f"Not proved. {undecided + unanswered} of its questions have no answer."
+
+
 def test_hardware_that_never_fails_is_taken_for_granted(tmp_path: Path) -> None:
     text = MISSION.replace('<hardware name="lamp"/>', '<hardware name="lamp" faulty="false"/>')
     (tmp_path / "m.xml").write_text(text.format('<objective name="a" activities="go look"/>'))
@@ -165,6 +176,7 @@ def test_losses_that_nobody_notices_stand_first(tmp_path: Path) -> None:
         "Nothing notices the loss of camera during search, which can then no longer succeed. After the loss "
         "of camera, watched can succeed only if the loss is found in time."
     )
+    assert headline(found).said.endswith("The loss of camera is noticed late.")
     (tick,) = (tick for tick in preflight(found) if "noticed late" in tick.what)
     assert "during search, which can then no longer succeed" in tick.why
 
