@@ -26,7 +26,7 @@ VERSION, MOST_BYTES = 1, 1 << 26  # of all entries together, once they are unpac
 MOST_APART = 2_000  # places up to which it is found out which are never marked together
 Json = Any
 State = int
-ENTRIES = "net", "claims", "core", "further", "diagrams"
+ENTRIES = "net", "claims", "core", "further", "diagrams", "sections"
 
 
 class Malformed(Exception):

@@ -65,11 +65,11 @@ class CoreState(NamedTuple):
 
 
 class CoreMission:
-    """A core mission, as ``core.json`` holds it."""
+    """A core mission, as ``core.json`` holds it; or a section of one, which has other exits."""
 
-    def __init__(self, document: Json) -> None:
+    def __init__(self, document: Json, exits: Names = frozenset(ENDS)) -> None:
         certcheck.shaped(document, {**certcheck.FORMAT, "graph": dict, "robot": dict}, "core.json")
-        self.graph = CoreGraph(document["graph"], "core.json: graph", {*ENDS})
+        self.graph = CoreGraph(document["graph"], "core.json: graph", {*exits})
         every = [*self.graph.every()]
         self.objectives = {each["name"]: each for each in every if "activities" in each}
         fine = len({each["name"] for each in every}) == len(every)

@@ -139,9 +139,9 @@ class CoreGraph:
         for each in handlers:
             fine = 0 <= each["pauses"] <= pauses and not (each["pauses"] and each["to"])
             if not each["pauses"]:
-                known = self.exits | self.sections.keys()
                 fine = bool(each["to"]) and not each["to"][-1]["when"]
-                fine = fine and all(case["to"] in known and paired(case["when"]) for case in each["to"])
+                known = all(case["to"] in self.exits or case["to"] in self.sections for case in each["to"])
+                fine = fine and known and all(paired(case["when"]) for case in each["to"])
             certcheck.need(
                 fine, f"{where}: found {str(each)[:90]}, expected where it leads", certcheck.Malformed
             )

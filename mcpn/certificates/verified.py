@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from mcpn.certificates import certcheck, corecheck, diagcheck, furthercheck
+from mcpn.certificates.sections import sectioncheck
 
 if TYPE_CHECKING:
     from mcpn.certificates.writing import Certificate
@@ -28,9 +29,18 @@ BUT_NET = (
     "formula says what its text says"
 )
 """What no claim of a certificate is free of (docs/certificates.md)."""
+BY_SECTIONS = "still trusted: the reader, which makes the core mission that the claims are of"
+"""The same where there is no net in it."""
 GAVE_UP = (certcheck.Malformed, certcheck.Limit, RecursionError, MemoryError)
 """What ends a checker without an answer."""
 NONE_CHECKED = "no claim is checked by certcheck: reader, templates, kernel and engines are trusted"
+
+
+class EntryChecker(Protocol):
+    """A program that checks an entry of its own."""
+
+    def __call__(self, path: str, *, seconds: float) -> certcheck.Report:
+        """What becomes of each claim."""
 
 
 class Verified(NamedTuple):
@@ -53,6 +63,8 @@ class Verified(NamedTuple):
     @property
     def programs(self) -> list[str]:
         """The programs that check it, each what it reads."""
+        if self.certificate.net is None:
+            return ["sections.sectioncheck"]
         if self.certificate.diagrams is not None:
             return ["diagcheck"]
         further = ["furthercheck"] if self.certificate.further else []
@@ -64,7 +76,7 @@ class Verified(NamedTuple):
             how, why = self.found[key]
             further = any(key == claim["key"] for claim in self.certificate.further)
             by = "corecheck" if key == NET else "furthercheck" if further else "certcheck"
-            by = by if self.certificate.diagrams is None else "diagcheck"
+            by = by if self.programs[0] == "certcheck" else self.programs[0].rpartition(".")[2]
             return f"checked by {by}" if how == "proved" else f"{how} by {by}: {why}"
         _, why = self.certificate.trusted.get(key, ("", "no evidence is written for it"))
         return f"trusted, without evidence: {why}"
@@ -74,6 +86,7 @@ class Verified(NamedTuple):
         """How many claims are checked, and what is trusted all the same."""
         checked, every = len(self.keys("proved")), len(self.found) + len(self.certificate.trusted)
         still = BUT_NET if self.found.get(NET, ("",))[0] == "proved" else STILL_TRUSTED
+        still = BY_SECTIONS if self.certificate.net is None else still
         return f"{checked} of {every} claims are checked; {still}"
 
     @property
@@ -91,8 +104,11 @@ def verified(certificate: Certificate, file: Path, seconds: float = SECONDS) -> 
         file: Where it has been written: this is what is read.
         seconds: After which time what is left is not checked.
     """
+    if certificate.net is None:
+        return Verified(certificate, file, _by(sectioncheck.checked, certificate.claims, file, seconds))
     if certificate.diagrams is not None:
-        return Verified(certificate, file, _by_diagrams(certificate, file, seconds))
+        claims = certificate.diagrams["claims"]
+        return Verified(certificate, file, _by(diagcheck.checked, claims, file, seconds))
     until, report = time.monotonic() + seconds, certcheck.Report()
     try:
         entries, net, claims = certcheck.read(str(file))
@@ -109,13 +125,14 @@ def verified(certificate: Certificate, file: Path, seconds: float = SECONDS) -> 
     return Verified(certificate, file, {key: (how, why) for how, key, why in report})
 
 
-def _by_diagrams(certificate: Certificate, file: Path, seconds: float) -> dict[str, tuple[str, str]]:
-    """What diagcheck says of the claims of a mission whose states are too many to list."""
-    assert certificate.diagrams is not None, "asked where there are some"
+def _by(
+    checker: EntryChecker, claims: Iterable[dict[str, Any]], file: Path, seconds: float
+) -> dict[str, tuple[str, str]]:
+    """What the checker of an entry of its own says of claims that no list of states proves."""
     try:
-        report = diagcheck.checked(str(file), seconds=seconds)
+        report = checker(str(file), seconds=seconds)
     except GAVE_UP as error:
-        report = [("not checked", claim["key"], _why(error)) for claim in certificate.diagrams["claims"]]
+        report = [("not checked", claim["key"], _why(error)) for claim in claims]
     return {key: (how, why) for how, key, why in report}
 
 

@@ -16,13 +16,14 @@ from mcpn.answers.spaces import MissionSpaces, spaces_of
 from mcpn.answers.verdicts.mission import MissionCheck
 from mcpn.answers.verdicts.nominal import NominalRuns, meant_to_be_entered
 from mcpn.certificates import evidence
-from mcpn.certificates.certcheck import ENDS, VERSION
+from mcpn.certificates.certcheck import ENDS, VERSION, Limit
 from mcpn.certificates.core_entry import core_entry
 from mcpn.certificates.cut_sets import before_the_start, can_fail, survived
 from mcpn.certificates.entries import Claimed, Trusted, entry
 from mcpn.certificates.formula_entry import formula_entry
 from mcpn.certificates.moments_entry import CRASHES, MomentClaims
 from mcpn.certificates.net_entry import net_entry
+from mcpn.certificates.sections.sections_entry import claims_by_sections
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import ConfluenceError, InputError, LimitError
 from mcpn.logic.syntax import parse
@@ -42,6 +43,8 @@ _Trusted: TypeAlias = dict[str, tuple[str, str]]
 
 MOST_LISTED = 200_000
 """Stable states up to which a certificate is written by listing them."""
+MANY_SECTIONS = 50
+"""Sections above which a mission is certified by their types, and not by diagrams of all its markings."""
 WHEN = (1980, 1, 1, 0, 0, 0)
 """The time of each entry, so that one mission has one certificate."""
 UNSAFE = "an abort by the failure of a safing objective is no safe end"
@@ -63,8 +66,8 @@ class Certificate(NamedTuple):
 
     Args:
         mission: Its name.
-        net: The entry ``net.json``.
-        claims: Those with evidence, as ``claims.json`` holds them.
+        net: The entry ``net.json``, unless claims are proved by sections.
+        claims: Those with evidence, as ``claims.json`` holds them, or ``sections.json``.
         trusted: By key of a claim without: its sentence, and why there is no evidence.
         core: The entry ``core.json``: the mission, to be played beside the net.
         further: The claims of the entry ``further.json``, which furthercheck judges.
@@ -72,7 +75,7 @@ class Certificate(NamedTuple):
     """
 
     mission: str
-    net: dict[str, Any]
+    net: dict[str, Any] | None
     claims: list[dict[str, Any]]
     trusted: dict[str, tuple[str, str]]
     core: dict[str, Any]
@@ -99,7 +102,7 @@ class Certificate(NamedTuple):
             further = {"format": "mcpn-certificate", "version": VERSION, "claims": self.further}
         entries: dict[str, dict[str, Any] | None] = {
             "net.json": self.net,
-            "claims.json": claims,
+            "sections.json" if self.net is None else "claims.json": claims,
             "core.json": self.core,
         }
         entries |= {"further.json": further, "diagrams.json": self.diagrams}
@@ -129,9 +132,21 @@ def certificate_of(check: MissionCheck, max_states: int | None = None) -> Certif
     try:
         graph = _listed(check.spaces, check.alternatives, max_states)
     except LimitError as error:
-        return _by_diagrams(check, error)
+        return _by_sections(check) or _by_diagrams(check, error)
     asked = {answer.asked.name: answer.asked for answer in check.requirements}
     return _Writer(check.mission_net, graph, asked).certificate(claims_of(check))
+
+
+def _by_sections(check: MissionCheck) -> Certificate | None:
+    """The certificate of a mission of many sections: of what their types prove, unless they are not apart."""
+    if len(check.mission_net.graph.sections) <= MANY_SECTIONS:
+        return None
+    core = core_entry(check.mission_net)
+    try:
+        claims, trusted = claims_by_sections(core, claims_of(check))
+    except Limit:
+        return None
+    return Certificate(check.mission_net.mission.name, None, claims, trusted, core)
 
 
 def _by_diagrams(check: MissionCheck, error: LimitError) -> Certificate:

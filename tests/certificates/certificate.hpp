@@ -191,7 +191,7 @@ std::map<std::string, std::string> unzipped(const std::string& path) {
     const std::size_t local = number(at + 42, 4);
     require(at + 46 + name_size <= bytes.size(), "a zip that ends too early");
     const std::string name = bytes.substr(at + 46, name_size);
-    static const std::set<std::string> known = {"net.json", "claims.json", "core.json", "further.json", "diagrams.json"};
+    static const std::set<std::string> known = {"net.json", "claims.json", "core.json", "further.json", "diagrams.json", "sections.json"};
     require(known.count(name), "an unknown entry");
     require(!(flags & 1), "an encrypted entry");
     require(method == 0 || method == 8, "an entry packed in another way");

@@ -477,7 +477,7 @@ int checked(const std::string& path, const Clock& clock) {
     open = open || verdict == "not checked";
     std::cout << verdict << ' ' << each.at("key").string << '\n';
   }
-  for (const char* further : {"further.json", "diagrams.json"})  // which it does not read
+  for (const char* further : {"further.json", "diagrams.json", "sections.json"})  // which it does not read
     if (files.count(further)) {
       open = true;
       std::cout << "not checked " << further << '\n';

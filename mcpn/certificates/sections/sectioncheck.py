@@ -1,0 +1,403 @@
+"""sectioncheck: proves claims about a core mission of many sections by their types, one section at a time.
+
+``python sectioncheck.py OUT`` reads the entries ``core.json`` and ``sections.json`` as docs/certificates.md
+describes them. Sections that differ in names alone are of one type. Each type is played by itself, from
+every status of the hardware that it can use; what holds of the mission follows from where its sections lead
+(papers/mcpn.md has the proof). It needs certcheck.py, corecheck.py, coregraph.py and corerobot.py beside it,
+and Python's standard library.
+
+Exit code 0: all claims are proved. 1: one is refuted. 2: something is not checked.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Iterable, Iterator
+from itertools import chain, combinations
+from typing import Any
+
+try:
+    from mcpn.certificates import certcheck
+    from mcpn.certificates.corecheck import CoreMission, CoreState
+    from mcpn.certificates.coregraph import ENDS, Event, Json, facts_of, handlers_of
+    from mcpn.certificates.corerobot import CoreRobot, Names, RobotMoment
+except ImportError:  # the files alone, beside each other
+    import certcheck  # type: ignore[import-not-found, no-redef]
+    from corecheck import CoreMission, CoreState  # type: ignore[import-not-found, no-redef]
+    from coregraph import (  # type: ignore[import-not-found, no-redef]
+        ENDS,
+        Event,
+        Json,
+        facts_of,
+        handlers_of,
+    )
+    from corerobot import CoreRobot, Names, RobotMoment  # type: ignore[import-not-found, no-redef]
+
+STATUS = ("out of service", "repaired")
+"""Events that change nothing but the status of hardware, and how activities react."""
+GOALS = {
+    "can_always_end": {"success", "failure", "abort"},
+    "can_always_end_safely": {"success", "abort"},
+    "can_succeed": {"success"},
+    "can_fail": {"failure"},
+    "can_be_aborted": {"abort"},
+}
+"""The ends that a claim speaks of."""
+KINDS = {*GOALS, "can_always_go_on"}
+NONE: frozenset[Any] = frozenset()
+
+
+class Renamed:
+    """A section alone with what it can use: everything has a new name, in the order in which it is met.
+
+    Attributes:
+        document: The section and its part of the robot, as ``core.json`` would hold them.
+        contended: The hardware and the data that several activities of the whole robot compete for.
+        targets: Where the section leads: the new name of a target, and the target.
+    """
+
+    def __init__(self, section: Json, robot: CoreRobot, software: dict[str, Json]) -> None:
+        self.names = dict[tuple[str, str], str]()
+        self.targets = dict[str, str]()
+        renamed = self.section(section, None)
+        own = list(dict.fromkeys(name for each in objectives_of(section) for name in each["activities"]))
+        activities = [self.activity(robot.activities[each]) for each in with_producers(own, robot)]
+        used = {old: new for (kind, old), new in self.names.items() if kind == "k"}
+        self.document = {
+            "graph": {"entry": renamed["name"], "sections": [renamed]},
+            "robot": {
+                "hardware": renaming(robot.hardware, used),
+                "software": renaming(software, used),
+                "facts": [],
+                "events": [],
+                "activities": activities,
+            },
+        }
+        self.contended = [new for old, new in used.items() if old in robot.contended]
+
+    def named(self, kind: str, name: str) -> str:
+        """The new name of something."""
+        return self.names.setdefault((kind, name), f"{kind}{len(self.names):04}")
+
+    def section(self, section: Json, inside: set[str] | None) -> Json:
+        """A section with other names; ``inside`` are the sections beside it in a branch."""
+        found = {
+            **section,
+            "name": self.named("s", section["name"]),
+            "routes": {
+                outcome: self.cases(cases, inside) for outcome, cases in sorted(section["routes"].items())
+            },
+            "handlers": [self.handler(each, inside) for each in section["handlers"]],
+        }
+        if "activities" in section:
+            return found | {"activities": [self.named("a", each) for each in section["activities"]]}
+        return found | {
+            "branches": [
+                each | {"name": self.named("b", each["name"]), "graph": self.graph(each["graph"])}
+                for each in section["branches"]
+            ],
+            "pauses": [
+                {"graph": self.graph(each["graph"]), "handlers": self.handlers(each)}
+                for each in section["pauses"]
+            ],
+        }
+
+    def graph(self, graph: Json) -> Json:
+        """The graph of a branch, or of what runs while a block pauses."""
+        inside = {each["name"] for each in graph["sections"]}
+        return {
+            "entry": self.named("s", graph["entry"]),
+            "sections": [self.section(each, inside) for each in graph["sections"]],
+        }
+
+    def handlers(self, pause: Json) -> list[Json]:
+        """What handles events while a block pauses: it leads to what runs meanwhile, or by its exits."""
+        inside = {each["name"] for each in pause["graph"]["sections"]}
+        return [self.handler(each, inside) for each in pause["handlers"]]
+
+    def cases(self, cases: list[Json], inside: set[str] | None) -> list[Json]:
+        """Where something leads."""
+        return [case | {"to": self.target(case["to"], inside)} for case in cases]
+
+    def target(self, target: str, inside: set[str] | None) -> str:
+        """A section beside it, an exit of a branch, or where the section itself leads."""
+        if inside is not None:
+            return self.named("s", target) if target in inside else target
+        new = self.named("t", target)
+        self.targets[new] = target
+        return new
+
+    def handler(self, handler: Json, inside: set[str] | None) -> Json:
+        """A handler of a declared event."""
+        return handler | {"event": self.named("e", handler["event"]), "to": self.cases(handler["to"], inside)}
+
+    def activity(self, activity: Json) -> Json:
+        """An activity; what it detects is all known."""
+        return {
+            **activity,
+            "name": self.named("a", activity["name"]),
+            "produces": [self.named("k", each) for each in activity["produces"]],
+            "detects": [],
+            "alternatives": [
+                way | {"name": str(number), "consumes": [self.named("k", each) for each in way["consumes"]]}
+                for number, way in enumerate(activity["alternatives"])
+            ],
+        }
+
+
+def with_producers(found: list[str], robot: CoreRobot) -> list[str]:
+    """Some activities, and what may produce for them, in the order in which they are met."""
+    for name in found:  # grows while it is walked
+        consumed = (k for way in robot.ways(name) for k in way["consumes"])
+        producers = dict.fromkeys(robot.producer[k] for k in consumed if k in robot.producer)
+        found += [each for each in producers if each not in found]
+    return found
+
+
+def renaming(some: dict[str, Json], used: dict[str, str]) -> list[Json]:
+    """What is used of some parts of a robot, with other names."""
+    return [some[old] | {"name": new} for old, new in used.items() if old in some]
+
+
+def objectives_of(section: Json) -> Iterator[Json]:
+    """The objectives of a section, at any depth."""
+    if "activities" in section:
+        yield section
+    for each in (*section.get("branches", ()), *section.get("pauses", ())):
+        for inner in each["graph"]["sections"]:
+            yield from objectives_of(inner)
+
+
+def apart(section: Json) -> bool:
+    """Whether nothing in a section, at any depth, asks facts or what has happened before."""
+    if any(facts_of(section)) or section["left"] or any(each["once"] for each in handlers_of(section)):
+        return False
+    parts = (*section.get("branches", ()), *section.get("pauses", ()))
+    return all(apart(inner) for each in parts for inner in each["graph"]["sections"])
+
+
+class PlayedType:
+    """All sections that differ in names alone, played from every status of their hardware.
+
+    Attributes:
+        stuck: Whether there is a state in which nothing happens.
+        leads: Where the section leads, from whatever status.
+        leads_steadily: Where it leads with the hardware as it is at first, if that stays so.
+    """
+
+    def __init__(self, one: Renamed, budget: Budget) -> None:
+        self.mission = CoreMission({**certcheck.FORMAT, **one.document}, frozenset(one.targets))
+        self.mission.robot.contended = {*one.contended}
+        hardware = self.mission.robot.hardware
+        self.first = frozenset(name for name, each in hardware.items() if each["out"])
+        may_fail = [name for name, each in hardware.items() if each["faulty"] or each["out"]]
+        sizes = range(len(may_fail) + 1)
+        self.states, self.number = list[CoreState](), dict[CoreState, int]()
+        self.edges, self.exits = list[list[tuple[Event, int]]](), list[list[tuple[Event, str]]]()
+        for out in map(frozenset, chain.from_iterable(combinations(may_fail, size) for size in sizes)):
+            budget.within(0)
+            begun = self.met(self.entered(out))
+            if out == self.first:
+                self.begun = begun
+        self.stuck = False
+        for state in self.states:  # grows while it is walked
+            budget.within(1)
+            self.follow(state)
+        self.before = list[list[int]]([] for _ in self.states)
+        for number, edges in enumerate(self.edges):
+            for _, target in edges:
+                self.before[target].append(number)
+        self.leads = {target for exits in self.exits for _, target in exits}
+        self.leads_steadily = self.steadily()
+        self.led = dict[frozenset[str], bool]()
+
+    def met(self, state: CoreState) -> int:
+        """The number of a state."""
+        if state not in self.number:
+            self.number[state] = len(self.states)
+            self.states.append(state)
+        return self.number[state]
+
+    def entered(self, out: Names) -> CoreState:
+        """The state in which the section has just begun, with some hardware out of service."""
+        mission = self.mission
+        at = mission.graph.enter(mission.graph.entry)
+        start = RobotMoment(NONE, mission.runs(at, ("enters",)), out, NONE)
+        end = the_one(mission.robot.settled(start, NONE))
+        return CoreState(mission.begun(at, end.begin), NONE, NONE, end.acts, out, NONE, NONE)
+
+    def follow(self, state: CoreState) -> None:
+        """Finds where the events of a state lead: to states of the section, or out of it."""
+        edges, exits = list[tuple[Event, int]](), list[tuple[Event, str]]()
+        for event in self.mission.possible(state):
+            after = the_one(self.mission.after(state, event))
+            if isinstance(after.at, str):
+                self.nothing_runs(state, event)
+                exits.append((event, after.at))
+            else:
+                edges.append((event, self.met(after)))
+        self.edges.append(edges)
+        self.exits.append(exits)
+        self.stuck = self.stuck or not (edges or exits)
+
+    def nothing_runs(self, state: CoreState, event: Event) -> None:
+        """What ran in the section stops as it is left: the next one begins from the status alone."""
+        stops = self.mission.moved(state.at, NONE, NONE, event)[3]
+        left = frozenset(each for each in state.acts if each[0] not in stops)
+        still = self.mission.robot.at_rest(RobotMoment(left, NONE, state.out, NONE)).acts
+        certcheck.need(not still, "sections are not apart: something still runs behind one", certcheck.Limit)
+
+    def steadily(self) -> set[str]:
+        """Where it leads while no status changes, from that at first."""
+        met = certcheck.grown(
+            [self.begun], lambda n: (target for event, target in self.edges[n] if event[0] not in STATUS)
+        )
+        return {target for n in met for event, target in self.exits[n] if event[0] not in STATUS}
+
+    def always_leads(self, to: frozenset[str]) -> bool:
+        """Whether from each of its states some run leads to one of some targets."""
+        if to not in self.led:
+            start = [n for n, exits in enumerate(self.exits) if any(target in to for _, target in exits)]
+            self.led[to] = len(certcheck.grown(start, self.before.__getitem__)) == len(self.states)
+        return self.led[to]
+
+
+def the_one(ends: Iterable[Any]) -> Any:
+    """The only end of a reaction."""
+    found = [*ends]
+    certcheck.need(len(found) == 1, "the reaction of a section has no end, or several", certcheck.Limit)
+    return found[0]
+
+
+class Budget:
+    """How many states there may be, and how long it may take."""
+
+    def __init__(self, most: int, until: float) -> None:
+        self.left, self.until = most, until
+
+    def within(self, more: int) -> None:
+        """Gives up where a limit is hit."""
+        self.left -= more
+        certcheck.need(self.left >= 0, "more states than may be kept (--max-states)", certcheck.Limit)
+        certcheck.need(time.monotonic() <= self.until, "the time is over (--seconds)", certcheck.Limit)
+
+
+class PlayedSections:
+    """The sections of a core mission, and the types that they are of."""
+
+    def __init__(self, core: Json, budget: Budget) -> None:
+        robot = CoreMission(core).robot  # which refuses what is malformed
+        software = {each["name"]: each for each in core["robot"]["software"]}
+        sections = core["graph"]["sections"]
+        known = not (robot.facts or robot.changing or any(each["late"] for each in robot.hardware.values()))
+        fine = known and all(map(apart, sections))
+        certcheck.need(
+            fine, "sections are not apart: facts, late losses, or what happens once", certcheck.Limit
+        )
+        self.entry, self.types = core["graph"]["entry"], dict[str, PlayedType]()
+        self.type, self.targets = dict[str, PlayedType](), dict[str, dict[str, str]]()
+        for section in sections:
+            budget.within(0)
+            one = Renamed(section, robot, software)
+            key = json.dumps([one.document, one.contended], sort_keys=True)
+            if key not in self.types:
+                self.types[key] = PlayedType(one, budget)
+            self.type[section["name"]], self.targets[section["name"]] = self.types[key], one.targets
+        self.reached = certcheck.grown(
+            [self.entry], lambda name: self.led(name, self.type[name].leads), self.type
+        )
+        self.ends = {
+            ENDS[to] for name in self.reached for to in self.led(name, self.type[name].leads) if to in ENDS
+        }
+
+    def led(self, name: str, some: set[str]) -> Iterator[str]:
+        """Where some ways out of a section lead in the mission."""
+        return (self.targets[name][to] for to in some)
+
+    def always(self, ends: set[str]) -> bool:
+        """Whether from each state that can be reached some run leads to one of some ends."""
+        good = {to for to, end in ENDS.items() if end in ends}
+        before = dict[str, list[str]]()
+        for name in self.reached:
+            for to in self.led(name, self.type[name].leads):
+                before.setdefault(to, []).append(name)
+        todo = [*good]
+        while todo:
+            for name in before.get(todo.pop(), ()):
+                ways = frozenset(way for way, to in self.targets[name].items() if to in good)
+                if name not in good and self.type[name].always_leads(ways):
+                    good.add(name)
+                    todo.append(name)
+        return good >= self.reached and self.ends <= ends
+
+    def reaches(self, ends: set[str]) -> bool:
+        """Whether one of some ends is reached while the status of hardware stays as it is at first."""
+        met = certcheck.grown(
+            [self.entry], lambda name: self.led(name, self.type[name].leads_steadily), self.type
+        )
+        return any(
+            ENDS.get(to) in ends for name in met for to in self.led(name, self.type[name].leads_steadily)
+        )
+
+
+def judge(sections: PlayedSections, claim: Json) -> None:
+    """Proves a claim, or says why not."""
+    kind, holds = claim["kind"], claim["holds"]
+    certcheck.need(kind in KINDS, f"no claim of sections is of the kind {kind[:60]}", certcheck.Malformed)
+    for part in ("statement", "evidence"):
+        certcheck.part(claim, part)
+    if kind == "can_always_go_on":
+        stuck = any(sections.type[name].stuck for name in sections.reached)
+        certcheck.need(holds and not stuck, "in some state of a section nothing happens")
+    elif kind.startswith("can_always"):
+        certcheck.need(
+            holds and sections.always(GOALS[kind]), "sections do not show that the end can always be reached"
+        )
+    elif holds:
+        certcheck.need(sections.reaches(GOALS[kind]), "no run on which no status changes leads there")
+    else:
+        certcheck.need(not GOALS[kind] & sections.ends, "a section may lead there")
+
+
+def checked(path: str, *, most: int = 500_000, seconds: float = 600) -> certcheck.Report:
+    """Checks the claims by sections of a certificate; raises Malformed and Limit as certcheck does."""
+    budget, entries = Budget(most, time.monotonic() + seconds), certcheck.unpacked(path)
+    document = certcheck.shaped(certcheck.parsed(entries, "sections.json"), certcheck.CLAIMS, "sections.json")
+    claims: list[dict[str, Any]] = document["claims"]
+    keys = {claim["key"] for claim in claims}
+    certcheck.need(len(keys) == len(claims), "sections.json: two claims have one key", certcheck.Malformed)
+    sections, report = PlayedSections(certcheck.parsed(entries, "core.json"), budget), certcheck.Report()
+    for claim in claims:
+        try:
+            judge(sections, claim)
+            report.append(("proved", claim["key"], claim["sentence"]))
+        except certcheck.Refuted as error:
+            report.append(("refuted", claim["key"], str(error)))
+    return report
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Checks the certificate that the command line names, and prints what became of each claim."""
+    parser = argparse.ArgumentParser(
+        "sectioncheck", description="Checks claims by sections of a certificate."
+    )
+    parser.add_argument("certificate")
+    parser.add_argument("--max-states", type=int, default=500_000, help="states of types to keep at most")
+    parser.add_argument("--seconds", type=float, default=600.0, help="time after which to give up")
+    asked = parser.parse_args(arguments)
+    try:
+        report = checked(asked.certificate, most=asked.max_states, seconds=asked.seconds)
+    except (certcheck.Malformed, certcheck.Limit, RecursionError, MemoryError) as error:
+        report = [("not checked", asked.certificate, str(error) or "there is not enough memory")]
+    for how, key, why in report:  # of any text, without control characters
+        line = f"{how:11}  {key}: {why}".encode("ascii", "backslashreplace").decode()
+        sys.stdout.write(line.translate(dict.fromkeys(range(32), "?")) + "\n")
+    found = {how for how, _, _ in report}
+    return 1 if "refuted" in found else 2 if found - {"proved"} else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
