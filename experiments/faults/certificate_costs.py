@@ -4,9 +4,9 @@ Usage: ``certificate_costs.py [--missions NAME ...] [--seconds S] [--second CHEC
 
 The worked missions, those of ``tests/natural``, generated ones, and families (``share 4``, ``sites 1000``):
 some have more states than are listed. ``check`` and ``causes`` each write a certificate; certcheck,
-corecheck, furthercheck and diagcheck read it, each for so many seconds at most, and the checker in C++ where
-its program is named. A row that is refused says so; what is only trusted is counted. Seconds of CPU of one
-process.
+corecheck, furthercheck, diagcheck and sectioncheck read it, each for so many seconds at most, and the checker
+in C++ where its program is named. A row that is refused says so; what is only trusted is counted. Seconds of
+CPU of one process.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ sys.path.append(str(Path(__file__).resolve().parents[2]))
 from experiments.growth.growth import FAMILIES
 from experiments.shared.missions import Parameters, generate
 from mcpn.certificates import certcheck, corecheck, diagcheck, furthercheck
+from mcpn.certificates.sections import sectioncheck
 from mcpn.certificates.writing import Certificate, certificate_of, certificate_of_causes
 from mcpn.errors import InputError, LimitError, SemanticsError
 from mcpn.study import Study, open_study
@@ -115,7 +116,9 @@ def row(study: Study, by: str, second: Path | None, seconds: float) -> list[str]
         file.write(data)
         file.flush()
         begun = time.process_time()
-        if made.diagrams is not None:
+        if made.net is None:
+            report += sectioncheck.checked(file.name, seconds=seconds)
+        elif made.diagrams is not None:
             report += diagcheck.checked(file.name, seconds=seconds)
         else:
             report += certcheck.checked(file.name, seconds=seconds) + _played(file.name, seconds)
