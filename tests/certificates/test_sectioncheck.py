@@ -247,6 +247,29 @@ def test_a_site_without_a_way_out_refutes_what_it_breaks(tmp_path: Path) -> None
     assert {"can_always_end", "can_always_end_safely"} <= refuted
 
 
+def test_a_site_that_only_some_losses_keep_from_ending_refutes_it(tmp_path: Path) -> None:
+    """The last site goes on by success alone, and nothing is repaired: all that it can lead to is fine."""
+
+    def stubborn(core: dict[str, Any]) -> None:
+        site = next(each for each in core["graph"]["sections"] if each["name"] == "site59")
+        site["handlers"] = []
+        site["routes"]["failure"][-1]["to"] = "site59"
+        for hardware in core["robot"]["hardware"]:
+            hardware["repairable"] = False
+
+    report = sectioncheck.checked(str(certified(60, tmp_path / "row.cert", stubborn)))
+    refuted = {key.split()[0] for how, key, _ in report if how == "refuted"}
+    assert refuted == {"can_always_end", "can_always_end_safely"}
+
+
+def test_what_happens_once_in_a_mission_is_not_checked(tmp_path: Path) -> None:
+    def once(core: dict[str, Any]) -> None:
+        core["graph"]["sections"][1]["handlers"][0]["once"] = "call"
+
+    with pytest.raises(certcheck.Limit, match="not apart"):
+        sectioncheck.checked(str(certified(3, tmp_path / "row.cert", once)))
+
+
 def test_what_sections_share_beyond_hardware_is_not_checked(tmp_path: Path) -> None:
     def late(core: dict[str, Any]) -> None:
         core["robot"]["hardware"][0]["late"] = True
