@@ -65,7 +65,7 @@ def test_no_false_claim_of_the_other_entries_is_proved_of_many(of: str) -> None:
 
 def test_a_checker_of_diagrams_that_believes_everything_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(diagcheck, "judge", lambda of, claim: None)
-    assert further_mutants.campaign("diagrams", 12, 3)[1]
+    assert further_mutants.campaign("diagrams", 12, 2)[1]
 
 
 @pytest.mark.parametrize("of", ["core", "controller"])
