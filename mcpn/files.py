@@ -1,4 +1,4 @@
-"""Reading untrusted files with a bound, writing files whole or not at all."""
+"""Reading untrusted files with a bound; writing files whole or not at all, and never over what was read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The state spaces of one mission, and which engine a question about it is asked of.
+"""The state spaces of one mission, and which engine a question is asked of, also where that is ``auto``.
 
 Where the user names no engine (``auto``), static analysis orders the engines, and the first that answers is
 taken. Stable states are listed, with the proof of confluence, where few are expected: that is quick, and the

@@ -1,4 +1,4 @@
-"""The mission controller as a finite state machine (paper, 7.3).
+"""The mission controller as a state machine (paper, 7.3), and the order of the actions of an event.
 
 "The mission controller receives the events and reads in the graph of the alternatives the actions he must
 perform (alternative change, activation / deactivation of activity)." A state is a stable marking; the actions

@@ -1,4 +1,4 @@
-"""Ways to answer formulas and examinations take turns: which goes first, and how long its slice of time is.
+"""Ways to answer formulas and examinations take turns: which goes first, and by which slices of turns.py.
 
 Formulas are simplified, by invariants and by the initial marking; what asks for one reachable marking goes to
 a search, once where several formulas ask for the same; others are asked of few markings, as they are needed

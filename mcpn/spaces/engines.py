@@ -1,4 +1,4 @@
-"""Which engine a question is asked of, and why.
+"""Which engine a question is asked of, and why: the order for nets; answers/spaces.py has that for missions.
 
 Where the user names no engine (``auto``), the engines are asked in the order of what they promise, and the
 first that answers is taken. Of a net a diagram holds all markings, however many there are; the order for

@@ -1,4 +1,4 @@
-"""What ends a parallel block early becomes numbers: of successes, of failures, or one mandatory failure."""
+"""Early ends (``success_when``, ``failure_when``, ``impossible``) of parallel blocks become numbers."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Blocks that are stopped as a whole become parallel blocks with one branch, which is all of them.
+"""Blocks that facts (``<on when>``) or time end as a whole become parallel blocks with one branch.
 
-Their time may be over, or facts become so. An objective that has no copies, and a parallel block, are such
-sections already.
+That branch is all of them. An objective that has no copies, and a parallel block, are such sections
+already.
 """
 
 from __future__ import annotations

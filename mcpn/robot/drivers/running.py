@@ -1,4 +1,4 @@
-"""Runs a controller with the drivers of a robot: when each starts, and in which order they are stopped."""
+"""Runs a controller with a robot's drivers: when each starts, and in which order they stop at the end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Drivers that are reached by messages: MQTT (paho-mqtt), zenoh (eclipse-zenoh)."""
+"""Drivers that are reached by messages, MQTT (paho-mqtt) or zenoh (eclipse-zenoh), and their connections."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The formats that mcpn writes to read again: controllers, monitors, snapshots, journals."""
+"""The shapes of files that mcpn writes to read again: controllers, monitors, snapshots, journals."""
 
 from __future__ import annotations
 
