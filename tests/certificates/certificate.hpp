@@ -10,6 +10,7 @@
 #include <functional>
 #include <iostream>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
@@ -20,7 +21,7 @@
 #include <vector>
 
 using Int = std::int64_t;
-using Wide = __int128;
+__extension__ typedef __int128 Wide;
 using Numbers = std::vector<Int>;
 using Texts = std::vector<std::string>;
 
@@ -211,7 +212,7 @@ std::map<std::string, std::string> unzipped(const std::string& path) {
   return found;
 }
 
-// ---- JSON without fractions
+// ---- JSON, in certificates without fractions
 
 struct Json {
   enum Kind { null, boolean, number, text, list, object } kind = null;
@@ -226,7 +227,7 @@ struct Json {
 
 class Parser {
  public:
-  explicit Parser(const std::string& text) : text_(text) {}
+  explicit Parser(const std::string& text, bool fractions = false) : text_(text), fractions_(fractions) {}
   Json whole() {
     Json found = value(0);
     space();
@@ -277,6 +278,11 @@ class Parser {
       const std::size_t digits = at_;
       while (at_ < text_.size() && text_[at_] >= '0' && text_[at_] <= '9') ++at_;
       require(at_ > digits && (text_[digits] != '0' || at_ == digits + 1), "no JSON");
+      if (fractions_ && at_ < text_.size() && std::string(".eE").find(text_[at_]) != std::string::npos) {
+        while (at_ < text_.size() && std::string("+-.eE0123456789").find(text_[at_]) != std::string::npos) ++at_;
+        made.value = std::numeric_limits<Int>::min();  // no number of anything
+        return made;
+      }
       require(at_ == text_.size() || std::string(".eE").find(text_[at_]) == std::string::npos, "a fraction or an exponent");
       require(at_ - begin <= 18, "a number of more than 18 characters");
       made.value = std::stoll(text_.substr(begin, at_ - begin));
@@ -334,6 +340,7 @@ class Parser {
   }
 
   const std::string& text_;
+  bool fractions_;
   std::size_t at_ = 0;
 };
 
@@ -354,9 +361,9 @@ void check_utf8(const std::string& text) {
   }
 }
 
-Json parsed(const std::string& text) {
+Json parsed(const std::string& text, bool fractions = false) {
   check_utf8(text);
-  return Parser(text).whole();
+  return Parser(text, fractions).whole();
 }
 
 void keys(const Json& of, const std::set<std::string>& expected, const std::string& what) {
