@@ -62,6 +62,10 @@ class Controller {
       require(sections_.emplace(text(each.at("name")), &each).second, "two sections of one name");
       item(of.at("types"), whole(each.at("type")));
     }
+    for (const Json& each : list(of.at("types"))) {
+      edges_.emplace_back();
+      for (const Json& edge : list(each.at("edges"))) edges_.back()[{whole(edge.at("from")), whole(edge.at("event"))}].push_back(&edge);
+    }
     hardware = names_in(of.at("hardware"));
     unrepairable_ = names_in(of.at("unrepairable"));
     crashing_ = names_in(of.at("crashing"));
@@ -161,8 +165,11 @@ class Controller {
 
   std::unique_ptr<Moved> taken(std::unique_ptr<Moved> made, const Json& in, const Position& at, Int event) const {
     const Json* edge = nullptr;
-    for (const Json& each : list(type(in).at("edges"))) {
-      if (whole(each.at("from")) != at.state || whole(each.at("event")) != event) continue;
+    const auto& edges = edges_.at(std::size_t(whole(in.at("type"))));
+    const auto some = edges.find({at.state, event});
+    if (some == edges.end()) return nullptr;
+    for (const Json* one : some->second) {
+      const Json& each = *one;
       const Names open = renamed_all(in, "once", each.at("open")), happened = renamed_all(in, "once", each.at("happened"));
       const auto is = [&](const std::string& name) { return at.happened.count(name) > 0; };
       if (std::any_of(open.begin(), open.end(), is) || !std::all_of(happened.begin(), happened.end(), is)) continue;
@@ -238,6 +245,7 @@ class Controller {
   }
 
   std::map<std::string, const Json*> sections_;
+  std::vector<std::map<std::pair<Int, Int>, std::vector<const Json*>>> edges_;  // of each type, by state and event
   Names unrepairable_, crashing_;
 };
 

@@ -1,0 +1,92 @@
+"""Another checker of controllers, in C++, written from the page alone, says what ctlcheck says."""
+
+from __future__ import annotations
+
+import copy
+import json
+import random
+import re
+import subprocess
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from experiments.faults.core_mutants import change_controller, originals, plain
+from mcpn.certificates import ctlcheck
+from mcpn.certificates.net_entry import net_entry
+from mcpn.controller.document import document
+from mcpn.mission.xml import read_mission
+from mcpn.study import Study
+from tests.certificates.test_second_checker import compiled
+from tests.conftest import ULYSSE
+
+Document = dict[str, Any]
+WORDS = {0: "proved", 1: "refuted", 2: "not checked"}
+
+
+@pytest.fixture(scope="module")
+def checker(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The program."""
+    return compiled("controller_checker", tmp_path_factory)
+
+
+def certificate(net: Document, folder: Path) -> Path:
+    """A certificate of a net that claims nothing."""
+    claims = {"format": "mcpn-certificate", "version": 1, "mission": "m", "claims": [], "trusted": []}
+    with zipfile.ZipFile(folder / "cert", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("net.json", json.dumps(net))
+        archive.writestr("claims.json", json.dumps(claims))
+    return folder / "cert"
+
+
+def both(checker: Path, cert: Path, controller: Document) -> tuple[str, str, str]:
+    """What ctlcheck and the program say, and the program's own words."""
+    path = cert.with_name("controller.json")
+    path.write_text(json.dumps(controller))
+    first, said = ctlcheck.checked(str(cert), str(path), 1_000_000, 60.0)
+    run = subprocess.run([checker, cert, path], check=False, capture_output=True, text=True, timeout=60)
+    found = WORDS[run.returncode]
+    assert found == "not checked" or run.stdout.startswith(found)
+    if run.returncode == first == 0:
+        assert re.findall(r"\d+", said) == re.findall(r"\d+", run.stdout)
+    return WORDS[first], found, run.stdout + run.stderr
+
+
+@pytest.mark.parametrize(
+    "mission", [ULYSSE, pytest.param(ULYSSE.parents[1] / "courier" / "mission.xml", marks=pytest.mark.slow)]
+)
+@pytest.mark.parametrize("form", ["hierarchical", "flat"])
+def test_both_prove_the_controller_of_a_mission(
+    checker: Path, tmp_path: Path, mission: Path, form: str
+) -> None:
+    study = Study(read_mission(mission))
+    controller = plain(document(study.controller(form), study.mission_net))  # type: ignore[arg-type]
+    cert = certificate(plain(net_entry(study.mission_net)), tmp_path)
+    assert both(checker, cert, controller)[:2] == ("proved", "proved")
+
+
+def test_rules_are_not_checked(checker: Path, tmp_path: Path) -> None:
+    original = originals()[0]
+    _, found, words = both(
+        checker, certificate(original.net, tmp_path), {**original.controllers[0], "form": "modular"}
+    )
+    assert found == "not checked"
+    assert "rules are not read" in words
+
+
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_both_say_the_same_of_changed_controllers(checker: Path, tmp_path: Path, seed: int) -> None:
+    said, apart = set(), []
+    for number in range(40 if seed == 1 else 400):
+        draw = random.Random(f"{seed} {number}")
+        original = draw.choice(originals())
+        controller = copy.deepcopy(draw.choice(original.controllers))
+        how = change_controller(controller, draw)
+        first, second, words = both(checker, certificate(original.net, tmp_path), controller)
+        said.add(second)
+        if (first == "proved") != (second == "proved"):
+            apart.append((number, how, first, words))
+    assert not apart
+    assert {"proved", "refuted"} <= said
