@@ -113,7 +113,7 @@ class PlacedTable(PlacedType):
     def flags(self, item: Json, key: str) -> frozenset[str]:
         """The facts, and handlers that happen once, that an entry or an edge names."""
         once = self.row["once"]
-        return frozenset(self.named("once" if n in once else "facts", n) for n in item.get(key, ()))
+        return frozenset(self.named("once" if n in once else "facts", n) for n in item[key])
 
     def entry(self, gone: frozenset[str], true: frozenset[str]) -> Taken:
         """Where it is entered: the entry of what is out of service and true."""
