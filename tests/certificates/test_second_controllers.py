@@ -76,11 +76,10 @@ def test_rules_are_not_checked(checker: Path, tmp_path: Path) -> None:
     assert "rules are not read" in words
 
 
-@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
-def test_both_say_the_same_of_changed_controllers(checker: Path, tmp_path: Path, seed: int) -> None:
+def test_both_say_the_same_of_changed_controllers(checker: Path, tmp_path: Path) -> None:
     said, apart = set(), []
-    for number in range(40 if seed == 1 else 200):
-        draw = random.Random(f"{seed} {number}")
+    for number in range(40):
+        draw = random.Random(f"1 {number}")
         original = draw.choice(originals())
         controller = copy.deepcopy(draw.choice(original.controllers))
         how = change_controller(controller, draw)
