@@ -65,9 +65,9 @@ def proved(of: str, entries: Mapping[str, Any], second: bool = False) -> tuple[s
 def _by_python(of: str, path: str) -> set[str]:
     try:
         found = PROGRAMS[of][0].checked(path, most=MOST, seconds=SECONDS)
-    except (certcheck.Malformed, certcheck.Limit, certcheck.Refuted):
+    except (certcheck.Malformed, certcheck.Limit):
         return set()
-    return {"net"} if of == "core" else {key for how, key, _ in found if how == "proved"}
+    return {key for how, key, _ in found if how == "proved"}
 
 
 def _by_the_second(name: str, path: str) -> set[str]:

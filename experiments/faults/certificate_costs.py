@@ -95,16 +95,6 @@ def _of_causes(study: Study) -> Certificate:
         return certificate_of_causes(study.causes())
 
 
-def _played(path: str, seconds: float) -> certcheck.Report:
-    try:
-        corecheck.checked(path, seconds=seconds)
-    except certcheck.Refuted as error:
-        return [("refuted", "net", str(error))]
-    except certcheck.Limit as error:
-        return [("not checked", "net", str(error))]
-    return [("proved", "net", "")]
-
-
 def row(study: Study, by: str, second: Path | None, seconds: float) -> list[str]:
     """One row of the table, but for the mission's name."""
     try:
@@ -121,7 +111,9 @@ def row(study: Study, by: str, second: Path | None, seconds: float) -> list[str]
         elif made.diagrams is not None:
             report += diagcheck.checked(file.name, seconds=seconds)
         else:
-            report += certcheck.checked(file.name, seconds=seconds) + _played(file.name, seconds)
+            report += certcheck.checked(file.name, seconds=seconds) + corecheck.checked(
+                file.name, seconds=seconds
+            )
             report += furthercheck.checked(file.name, seconds=seconds) if made.further else []
         checked = time.process_time() - begun
         other = (

@@ -29,6 +29,7 @@ sys.path.append(str(Path(__file__).resolve().parents[2]))
 import numpy as np
 
 from experiments.faults.both_checkers import proved
+from experiments.faults.campaigns import is_so
 from experiments.shared.missions import Parameters, generate
 from mcpn.certificates import certcheck, corecheck
 from mcpn.certificates.writing import certificate_of, certificate_of_causes
@@ -300,20 +301,12 @@ def judged(net: Documents, claims: Documents, second: bool = False) -> tuple[int
         truth = Truth(net)
     except (UnsafeError, ConfluenceError, DivergenceError) as error:
         return len(stated), wrong + [f"{claim['key']}: {error}" for claim in stated]
-    return len(stated), wrong + [claim["key"] for claim in stated if not _is_so(truth, claim)]
+    return len(stated), wrong + [claim["key"] for claim in stated if not is_so(truth.holds, claim)]
 
 
 def apart(first: set[str], other: set[str]) -> list[str]:
     """The claims that one of both checkers proves."""
     return [f"{key}: one of the checkers alone proves it" for key in sorted(first ^ other)]
-
-
-def _is_so(truth: Truth, claim: Documents) -> bool:
-    """Whether a claim is true; one that says nothing which can be understood is not."""
-    try:
-        return truth.holds(claim)
-    except (KeyError, IndexError, TypeError, ValueError, AttributeError):
-        return False
 
 
 def campaign(mutants: int, seed: int, second: bool = False) -> tuple[Counter[str], list[str]]:

@@ -10,7 +10,6 @@ and say the same. Exit code 1 if they do not, or one program alone accepts it. 1
 
 from __future__ import annotations
 
-import argparse
 import copy
 import json
 import random
@@ -26,6 +25,7 @@ sys.path.append(str(Path(__file__).resolve().parents[2]))
 
 from lxml import etree
 
+from experiments.faults import campaigns
 from experiments.faults.both_checkers import MOST, proved
 from experiments.faults.certificates import Truth, apart, change_net
 from mcpn.certificates import certcheck, ctlcheck, ctlforms
@@ -321,23 +321,5 @@ def campaign(of: str, mutants: int, seed: int, second: bool = False) -> tuple[Co
     return found, wrong
 
 
-def main() -> int:
-    """Runs what the command line asks for."""
-    parser = argparse.ArgumentParser(description="Mutants of nets, core missions and controllers.")
-    parser.add_argument("--mutants", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--second", action="store_true", help="ask the program in C++, too")
-    parser.add_argument("--of", choices=(*CAMPAIGNS,), action="append")
-    asked, every = parser.parse_args(), list[str]()
-    for of in asked.of or CAMPAIGNS:
-        found, wrong = campaign(of, asked.mutants, asked.seed, asked.second)
-        for how, times in sorted(found.items()):
-            print(f"{times:6} {how}")
-        print(f"{of}: {asked.mutants} mutants, {len(wrong)} wrongly accepted")
-        every += wrong
-    print("\n".join(every))
-    return 1 if every else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(campaigns.ran("Mutants of nets, core missions and controllers.", CAMPAIGNS, campaign))

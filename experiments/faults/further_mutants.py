@@ -9,7 +9,6 @@ Exit code 1 if a claim is false, or one of the checkers alone proves it. 1,000 m
 
 from __future__ import annotations
 
-import argparse
 import copy
 import json
 import random
@@ -28,6 +27,7 @@ sys.path.append(str(Path(__file__).resolve().parents[2]))
 
 import numpy as np
 
+from experiments.faults import campaigns
 from experiments.faults.both_checkers import proved
 from experiments.faults.certificates import SIZES, Truth, apart, change_net
 from experiments.shared.missions import generate
@@ -348,7 +348,7 @@ def judged(net: Documents, document: Documents, of: str, second: bool = False) -
         false = [c for c in stated if of == "further" or c["kind"] in ("confluent", *ends)]
         return len(stated), wrong + [f"{claim['key']}: {error}" for claim in false]
     judge = Moments(truth).holds if of == "further" else truth.holds
-    return len(stated), wrong + [claim["key"] for claim in stated if not judge(claim)]
+    return len(stated), wrong + [claim["key"] for claim in stated if not campaigns.is_so(judge, claim)]
 
 
 def campaign(of: str, mutants: int, seed: int, second: bool = False) -> tuple[Counter[str], list[str]]:
@@ -365,23 +365,9 @@ def campaign(of: str, mutants: int, seed: int, second: bool = False) -> tuple[Co
     return found, wrong
 
 
-def main() -> int:
-    """Runs what the command line asks for."""
-    parser = argparse.ArgumentParser(description="Mutants of certificates with further claims and diagrams.")
-    parser.add_argument("--mutants", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--second", action="store_true", help="ask the checkers in C++, too")
-    parser.add_argument("--of", choices=("further", "diagrams"), action="append")
-    asked, every = parser.parse_args(), list[str]()
-    for of in asked.of or ("further", "diagrams"):
-        found, wrong = campaign(of, asked.mutants, asked.seed, asked.second)
-        for how, times in sorted(found.items()):
-            print(f"{times:6} {how}")
-        print(f"{of}: {asked.mutants} mutants, {len(wrong)} false claims proved")
-        every += wrong
-    print("\n".join(every))
-    return 1 if every else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(
+        campaigns.ran(
+            "Mutants of certificates with further claims and diagrams.", ("further", "diagrams"), campaign
+        )
+    )

@@ -1,11 +1,9 @@
 """certcheck: checks a certificate's claims on listed states: verdicts, formulas, cut sets; needs only Python.
 
-``python certcheck.py OUT`` reads a certificate as docs/certificates.md describes it and prints, claim by
-claim, whether it is proved. It trusts the certificate's net to be the mission's, and nothing else of mcpn: it
-lists the states itself, in every order of internal firings, and looks at every claim's evidence.
-
-Exit code 0: every claim is proved. 1: a claim is refuted, its evidence does not prove it. 2: something is not
-checked, since the file is malformed or a limit was hit; the claims that are then missing are named.
+``python certcheck.py OUT`` reads a certificate as docs/certificates.md describes it. It trusts the
+certificate's net to be the mission's, and nothing else of mcpn: it lists the states itself, in every order of
+internal firings. Exit code 0: every claim is proved. 1: the evidence of one does not prove it, which is
+refuted. 2: something is not checked, since the file is malformed or a limit was hit; it is named.
 """
 
 from __future__ import annotations
@@ -22,8 +20,7 @@ from functools import cache, reduce
 from operator import or_
 from typing import Any, NoReturn
 
-VERSION, MOST_BYTES = 1, 1 << 26  # of all entries together, once they are unpacked
-MOST_APART = 2_000  # places up to which it is found out which are never marked together
+VERSION, MOST_BYTES, MOST_APART = 1, 1 << 26, 2_000  # bytes unpacked; places, to find those that are apart
 Json = Any
 State = int
 ENTRIES = "net", "claims", "core", "further", "diagrams", "sections"
@@ -48,8 +45,7 @@ def need(holds: object, why: str, error: type[Exception] = Refuted) -> None:
 
 
 PLACE = {"name": str, "initial": int, "roles": [[str]]}
-ARCS = {"consume": [int], "produce": [int], "read": [int]}
-TRANSITION = {"name": str, "event": [str], "rank": int, **ARCS}
+TRANSITION = {"name": str, "event": [str], "rank": int, "consume": [int], "produce": [int], "read": [int]}
 FORMAT = {"format": "mcpn-certificate", "version": VERSION}
 NET = {**FORMAT, "places": [PLACE], "transitions": [TRANSITION]}
 CLAIM = {"key": str, "kind": str, "subject": [str], "holds": bool, "sentence": str}
@@ -170,7 +166,9 @@ class Net:
             for place in indices(self.pre[t]):
                 needing.setdefault(place, []).append(t)
         self.wakes = [sorted({u for p in indices(made) for u in needing.get(p, ())}) for made in self.produce]
-        self.apart, self.alone = self.exclusions(), dict[int, bool]()
+        self.seen, sides = 0, zip(self.wakes, self.pre, self.produce, strict=True)
+        self.looks = [reduce(or_, (self.pre[u] for u in wakes), pre | made) for wakes, pre, made in sides]
+        self.apart, self.alone = self.exclusions(), cache(self.first)
 
     def mask(self, places: list[int], of: str) -> int:
         """Places as bits, each once."""
@@ -180,7 +178,7 @@ class Net:
 
     def fired(self, marking: int, t: int) -> int:
         """The marking after a firing, which must leave at most one token in each place."""
-        left = marking & ~self.consume[t]
+        left, self.seen = marking & ~self.consume[t], self.seen | self.looks[t]
         need(not left & self.produce[t], f"safe: {self.name[t]} puts a second token in a place")
         return left | self.produce[t]
 
@@ -202,18 +200,13 @@ class Net:
         return apart
 
     def first(self, t: int) -> bool:
-        """Whether an internal transition may fire first wherever it may fire: other orders end alike.
-
-        No other that may be covered with it takes what it needs, needs or puts what it takes.
-        """
-        if t not in self.alone:
-            takes, never = self.consume[t], reduce(or_, (self.apart[p] for p in indices(self.pre[t])))
-            self.alone[t] = all(self.rank[u] >= self.rank[t] for u in self.wakes[t]) and not any(
-                self.consume[u] & self.pre[t] or (self.pre[u] | self.produce[u]) & takes
-                for u in self.internal
-                if not self.pre[u] & never and (self.consume[u], self.produce[u]) != (takes, self.produce[t])
-            )
-        return self.alone[t]
+        """Whether it may fire first wherever it may fire: none that may be covered with it is in its way."""
+        takes, never = self.consume[t], reduce(or_, (self.apart[p] for p in indices(self.pre[t])))
+        return all(self.rank[u] >= self.rank[t] for u in self.wakes[t]) and not any(
+            self.consume[u] & self.pre[t] or (self.pre[u] | self.produce[u]) & takes
+            for u in self.internal
+            if not self.pre[u] & never and (self.consume[u], self.produce[u]) != (takes, self.produce[t])
+        )
 
     def carrying(self, what: str, *of: str | None) -> set[int]:
         """The transitions of an event, of one of some elements (None is no element), or else of any."""
@@ -225,33 +218,43 @@ class Listing:
 
     def __init__(self, net: Net, most: int, until: float) -> None:
         self.net, self.most, self.until = net, most, until
-        self.number, self.ends = dict[int, State](), dict[int, int | None]()
+        self.number = dict[int, State]()
+        self.known: dict[int, dict[int, dict[int, int]]] = {t: {} for t in net.events}
         start = self.settled(net.initial, [t for t in net.internal if net.pre[t] & ~net.initial == 0])
         self.number[start], self.stable, self.edges = 0, [start], list[list[tuple[int, State]]]()
-        self.firing = {t: dict[State, State]() for t in net.events}
+        self.firing, self.back = {t: dict[State, State]() for t in net.events}, [list[tuple[int, State]]()]
         for state, marking in enumerate(self.stable):  # grows while it is walked
             edges, lacking = list[tuple[int, State]](), ~marking
             for t in net.events:
                 if not net.pre[t] & lacking:
-                    after = net.fired(marking, t)
-                    end = self.settled(after, self.covered(after, [], t))
+                    end = self.behind(marking, t)
                     self.firing[t][state] = n = self.number.setdefault(end, len(self.stable))
                     self.stable += [end] * (n == len(self.stable))
+                    self.back += [[]] * (n == len(self.back))
+                    self.back[n].append((t, state))
                     edges.append((t, n))
             self.edges.append(edges)
             self.within()
-        self.back: list[list[tuple[int, State]]] = [[] for _ in self.stable]
-        for state, edges in enumerate(self.edges):
-            for t, after in edges:
-                self.back[after].append((t, state))
         self.stuck = {state for state, edges in enumerate(self.edges) if not edges}
         self.formulas = Formulas(self)
 
     def within(self, more: int = 0) -> None:
         """Gives up where a limit is hit."""
-        kept = len(self.ends) + len(self.number) + more
+        kept = len(self.number) + more
         need(kept <= self.most, f"more than {self.most} markings to keep (--max-states)", Limit)
         need(time.monotonic() <= self.until, "the time is over (--seconds)", Limit)
+
+    def behind(self, marking: int, t: int) -> int:
+        """The end behind an event: what changes is alike where all is alike that firings looked at."""
+        for seen, changed in self.known[t].items():
+            if (end := changed.get(marking & seen)) is not None:
+                return marking & ~seen | end
+        self.net.seen = 0
+        after = self.net.fired(marking, t)
+        end = self.settled(after, self.covered(after, [], t))
+        seen = self.net.seen
+        self.known[t].setdefault(seen, {})[marking & seen] = end & seen
+        return end
 
     def covered(self, marking: int, before: list[int], fired: int) -> list[int]:
         """The internal transitions whose tokens are there, after a firing; before it were some."""
@@ -259,50 +262,37 @@ class Listing:
         found = [u for u in before if not pre[u] & lacking] if before else before
         return found + [u for u in self.net.wakes[fired] if not pre[u] & lacking and u not in found]
 
-    def chain(self, marking: int, covered: list[int]) -> tuple[int, list[int], list[int]]:
-        """Fires while there is one choice; the marking where there are several or none, and these."""
-        net, choices = self.net, list[int]()
-        for _ in range(4096):
-            choices = covered
-            if len(covered) > 1:
-                least = min(net.rank[t] for t in covered)
-                choices = [t for t in covered if net.rank[t] == least]
-                choices = next(([t] for t in choices if net.first(t)), choices)
-            if len(choices) != 1:
-                break
-            marking = net.fired(marking, choices[0])
-            covered = self.covered(marking, covered, choices[0])
-        return marking, covered, choices
-
     def settled(self, marking: int, covered: list[int]) -> int:
         """The stable marking in which every run of internal firings ends; refuted if there are several."""
-        ends, way = self.ends, list[list[Any]]()  # choices under way: marking, what is left, end
-        way.append([None, [(marking, covered)], None])
-        while True:
-            chosen_at, left, end = way[-1]
+        ends, way, rank = dict[int, Any](), [list[Any]((0, [(marking, covered)], None))], self.net.rank
+        while True:  # on the way each marking has what is left of it, and the end that was found
+            came_by, left, end = way[-1]
             if left:
-                marking, covered, choices = self.chain(*left.pop())
-                if choices and marking not in ends:
+                marking, covered = left.pop()
+                if covered and marking not in ends:
                     ends[marking] = None
-                    self.within()
+                    self.within(len(ends))
+                    least = min(rank[t] for t in covered)
+                    choices = [t for t in covered if rank[t] == least]
+                    choices = next(([t] for t in choices if self.net.alone(t)), choices)
                     after = [(self.net.fired(marking, t), t) for t in choices]
                     way.append([marking, [(m, self.covered(m, covered, t)) for m, t in after], None])
                     continue
-                end = ends[marking] if choices else marking
+                end = ends[marking] if covered else marking
                 need(end is not None, "confluent: internal firings come back to a marking, and need not end")
             else:
                 way.pop()
                 if not way:
                     return int(end)
-                ends[chosen_at] = end
+                ends[came_by] = end
             need(way[-1][2] in (None, end), "confluent: internal firings lead to two stable markings")
             way[-1][2] = end
 
     def saying(self, role: str, *of: str | None) -> set[State]:
         """The states that mark a place with a role, of some elements (None is none), or else of any."""
-        places = 0
-        for (said, element), own in self.net.roles.items():
-            places |= own if said == role and (not of or element in of) else 0
+        roles = self.net.roles.items()
+        found = (own for (said, element), own in roles if said == role and (not of or element in of))
+        places = reduce(or_, found, 0)
         return {state for state, marking in enumerate(self.stable) if marking & places}
 
     def ended(self, *ends: str) -> set[State]:
@@ -325,8 +315,8 @@ class Listing:
 ARITY = {"not": 1, "EX": 1, "EG": 1, "EU": 2, "E": 1, "X": 1, "U": 2, "R": 2, "deadlock": 0}
 Form = tuple[Any, ...]
 Obligations = frozenset[Form]
+# A way: in which states, by which transitions, whether without any, what is left, and what is put off.
 Way = tuple[set[State], set[int], bool, Obligations, Obligations]
-"""In which states, by which transitions, whether without any, what is left, and what is put off."""
 
 
 def on_states(form: Form) -> bool:
@@ -361,6 +351,8 @@ class Formulas:
         if len(rest) == ARITY.get(operator, -1) and (paths or operator not in ("X", "U", "R")):
             of_paths = operator == "E" or (paths and operator in ("not", "X", "U", "R"))
             read = (self.read(each, of_paths) for each in rest)
+            if operator in ("EU", "EG"):
+                return "E", ("U" if operator == "EU" else "R", *[("or",)] * (operator == "EG"), *read)
             return operator, *(map(self.normal, read) if operator == "E" else read)
         raise Malformed(f"{wrong}: found {json.dumps(said)[:60]}")
 
@@ -392,10 +384,6 @@ class Formulas:
                 return set[State]().union(*map(self.states, of))
             case "EX":
                 return {s for after in self.states(of[0]) for _, s in graph.back[after]}
-            case "EU":
-                return self.beginning(("U", *of))
-            case "EG":
-                return self.beginning(("R", ("or",), *of))
             case _:
                 return self.beginning(of[0])
 
@@ -406,9 +394,7 @@ class Formulas:
                 return not self.at_first(inside)
             case ("and" | "or" as operator, *each):
                 return {"and": all, "or": any}[operator](map(self.at_first, each))
-            case ("EU", ("and",), goal):  # all states are reachable
-                return bool(self.states(goal))
-            case ("E", ("U", ("and",), goal)):
+            case ("E", ("U", ("and",), goal)):  # all states are reachable
                 return bool(self.beginning(goal))
         return 0 in self.states(form)
 
@@ -421,11 +407,11 @@ class Formulas:
             return form[0] if wanted else dual[form[0]], *(self.normal(each, wanted) for each in form[1:])
         return form if wanted else ("not", form)
 
-    def split(self, must: list[Form]) -> Iterator[tuple[list[Form], list[Form], Obligations, Obligations]]:
-        """The ways to satisfy formulas: what holds here, the next step, what is left, what is put off."""
+    def split(self, must: list[Form]) -> Iterator[Way]:
+        """The ways to satisfy formulas."""
         self.graph.within()
         if not must:
-            yield [], [], frozenset(), frozenset()
+            yield self.all, set(self.graph.net.events), True, frozenset(), frozenset()
             return
         form, *rest = must
         ways: list[tuple[list[Form], list[Form], list[Form]]] = [([], [], [])]  # now, next, put off
@@ -442,15 +428,17 @@ class Formulas:
             case ("R", left, right):
                 ways = [([left, right], [], []), ([right], [form], [])]
         for now, after, late in ways:
-            for here, step, nexts, put_off in self.split([*now, *rest]):
-                yield [form] * of_state + here, [form] * of_step + step, nexts | {*after}, put_off | {*late}
+            for here, may, rests, nexts, put_off in self.split([*now, *rest]):
+                here = here & self.states(form) if of_state else here
+                may, rests = (may & self.fired(form), rests and form[0] == "not") if of_step else (may, rests)
+                yield here, may, rests, nexts | {*after}, put_off | {*late}
 
     def beginning(self, path: Form) -> set[State]:
         """The states from which a path begins that satisfies a formula on paths."""
 
         def leads(must: Obligations) -> set[Obligations]:
             if must not in self.ways:
-                self.ways[must] = [way for each in self.split(list(must)) if (way := self.way(*each))[0]]
+                self.ways[must] = [way for way in self.split(list(must)) if way[0]]
             self.graph.within(len(self.ways))
             return {after for *_, after, _ in self.ways[must]} - self.solved.keys()
 
@@ -460,12 +448,6 @@ class Formulas:
             if must not in self.solved:
                 self.solve([each for each in later[must] if must in later[each]])
         return self.solved[first]
-
-    def way(self, here: list[Form], step: list[Form], after: Obligations, late: Obligations) -> Way:
-        """A way to satisfy formulas, of states and transitions."""
-        may = set(self.graph.net.events).intersection(*map(self.fired, step))
-        states = self.all.intersection(*map(self.states, here))
-        return states, may, all(each[0] == "not" for each in step), after, late
 
     def solve(self, loop: list[Obligations]) -> None:
         """Finds the states that satisfy obligations which lead to each other; others are solved before."""
@@ -513,10 +495,10 @@ class Formulas:
             self.solved[must] = {node - n * size for node in satisfied if node // size == n}
 
 
+# By kind of claim that a run or numbers prove: the ends of which it speaks.
 ENDS = {"safe": [], "confluent": [], "can_succeed": ["success"], "can_fail": ["failure"]}
 ENDS |= {"can_be_aborted": ["abort"], "can_always_end_safely": ["success", "abort"]}
 ENDS |= {kind: ["success", "failure", "abort"] for kind in ("can_always_go_on", "can_always_end")}
-"""By kind of claim that a run or numbers prove: the ends of which it speaks."""
 
 
 def part(claim: Json, which: str, **shape: Json) -> Json:
@@ -526,6 +508,7 @@ def part(claim: Json, which: str, **shape: Json) -> Json:
 
 def judge(graph: Listing, claim: Json) -> None:
     """Refutes a claim that its evidence does not prove."""
+    graph.within()
     kind, holds = claim["kind"], claim["holds"]
     if kind not in ENDS:
         {"nominal_success": nominal, "cut_sets": cut_sets}.get(kind, formula)(graph, claim)
@@ -566,8 +549,8 @@ def nominal(graph: Listing, claim: Json) -> None:
     need(claim["holds"], "that it fails is never certified")
     onward = net.carrying("start") | net.carrying("success") | net.carrying("failure", *said["fails"], None)
     onward -= net.carrying("success", *said["fails"], None)
-    lost = graph.saying("oos", *said["repaired"]) if said["repaired"] else set[State]()
-    begin = graph.closure([0], net.carrying("repaired", *said["repaired"], None)) - lost
+    begin = graph.closure([0], net.carrying("repaired", *said["repaired"], None))
+    begin -= graph.saying("oos", *said["repaired"], None)
     need(begin, "what is out of service at first cannot come back")
     reached, success = graph.closure(begin, onward), graph.ended("success")
     free = success | graph.saying("objective", *said["endless"], None)
@@ -622,9 +605,9 @@ def cut_sets(graph: Listing, claim: Json) -> None:
         need(not any(other != cut and other & cut == other for other in cuts), "a cut holds another")
         for i in indices(cut):
             need(any(not cut & ~(1 << i) & ~one for one in survived), "less an element a cut is not survived")
-    whole = (1 << len(names)) - 1
-    doubt = whole + 1 - above(frozenset(cuts), len(names))
-    doubt -= above(frozenset(whole & ~one for one in survived), len(names))
+    whole, size = (1 << len(names)) - 1, len(names)
+    doubt = whole + 1 - above(frozenset(cuts), size)
+    doubt -= above(frozenset(whole & ~one for one in survived), size)
     need(not doubt, f"{doubt} sets are neither cut nor survived")
 
 
@@ -638,38 +621,44 @@ def above(family: frozenset[int], size: int) -> int:
     return above(without, size - 1) + above(frozenset(each & ~last for each in family), size - 1)
 
 
-Report = list[tuple[str, str, str]]
-"""Of each claim what became of it (``proved``, ``refuted``, ``not checked``), its key, and why."""
+Report = list[tuple[str, str, str]]  # of each claim: proved, refuted or not checked; its key; why
 
 
 def read(path: str) -> tuple[dict[str, bytes], Net, list[Json]]:
     """The entries of a certificate, its net, and its claims; raises Malformed and Limit."""
     entries = unpacked(path)
     net = Net(parsed(entries, "net.json"))
-    claims = shaped(parsed(entries, "claims.json"), CLAIMS, "claims.json")["claims"]
+    return entries, net, claims_in(entries, "claims.json", CLAIMS)
+
+
+def claims_in(entries: dict[str, bytes], name: str, shape: Json) -> list[Json]:
+    """The claims of an entry of some shape, no two with one key."""
+    claims: list[Json] = shaped(parsed(entries, name), shape, name)["claims"]
     keys = {claim["key"] for claim in claims}
-    need(len(keys) == len(claims), "claims.json: two claims have one key", Malformed)
-    return entries, net, claims
+    need(len(keys) == len(claims), f"{name}: two claims have one key", Malformed)
+    return claims
 
 
-def judged(listing: Callable[[], Listing], claims: list[Json]) -> Report:
-    """What becomes of claims on states that are listed."""
+def each(judges: Callable[[Json], None], claims: Iterable[Json]) -> Report:
+    """What becomes of each claim, by what judges it."""
     report = Report()
-    try:
-        graph = listing()
-    except (Refuted, Limit) as error:
-        how = {
-            str(error).partition(":")[0]: HOW[type(error)]
-        }  # safe or confluent; nothing is known of others
-        return [(how.get(claim["kind"], "not checked"), claim["key"], str(error)) for claim in claims]
     for claim in claims:
         try:
-            graph.within()
-            judge(graph, claim)
+            judges(claim)
             report.append(("proved", claim["key"], claim["sentence"]))
         except (Refuted, Limit) as error:
             report.append((HOW[type(error)], claim["key"], str(error)))
     return report
+
+
+def judged(listing: Callable[[], Listing], claims: list[Json]) -> Report:
+    """What becomes of claims on states that are listed."""
+    try:
+        graph = listing()
+    except (Refuted, Limit) as error:
+        how = {str(error).partition(":")[0]: HOW[type(error)]}  # safe or confluent; others are open
+        return [(how.get(claim["kind"], "not checked"), claim["key"], str(error)) for claim in claims]
+    return each(lambda claim: judge(graph, claim), claims)
 
 
 def checked(path: str, *, most: int = 2_000_000, seconds: float = 600) -> Report:
@@ -678,22 +667,29 @@ def checked(path: str, *, most: int = 2_000_000, seconds: float = 600) -> Report
     return judged(lambda: Listing(net, most, until), claims)
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Checks the certificate that the command line names, and prints what became of each claim."""
-    parser = argparse.ArgumentParser("certcheck", description="Checks a certificate that mcpn has written.")
-    parser.add_argument("certificate")
-    parser.add_argument("--max-states", type=int, default=2_000_000, help="markings to keep at most")
-    parser.add_argument("--seconds", type=float, default=600.0, help="time after which to give up")
-    asked = parser.parse_args(arguments)
+def ran(checker: Callable[..., Report], words: str, said: Json, *files: str, limit: str = "states") -> int:
+    """Has a checker check what the command line names, and prints what becomes of each claim."""
+    parser = argparse.ArgumentParser(description=words, argument_default=argparse.SUPPRESS)
+    for file in files:
+        parser.add_argument(file)
+    parser.add_argument(f"--max-{limit}", dest="most", type=int, help=f"{limit} to keep at most")
+    parser.add_argument("--seconds", type=float, help="time after which to give up")
+    asked = vars(parser.parse_args(said))
+    paths = [asked.pop(file) for file in files]
     try:
-        report = checked(asked.certificate, most=asked.max_states, seconds=asked.seconds)
+        report = checker(*paths, **asked)
     except (Malformed, Limit, RecursionError, MemoryError) as error:
-        report = [("not checked", asked.certificate, str(error) or "there is not enough memory")]
+        report = [("not checked", paths[0], str(error) or "there is not enough memory")]
     for how, key, why in report:  # of any text, without control characters
         line = f"{how:11}  {key}: {why}".encode("ascii", "backslashreplace").decode()
         sys.stdout.write(line.translate(dict.fromkeys(range(32), "?")) + "\n")
     found = {how for how, _, _ in report}
-    return 1 if "refuted" in found else 2 if found != {"proved"} else 0
+    return 1 if "refuted" in found else 0 if found == {"proved"} else 2
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Checks the certificate that the command line names."""
+    return ran(checked, "Checks a certificate that mcpn has written.", arguments, "certificate")
 
 
 if __name__ == "__main__":

@@ -11,10 +11,9 @@ Exit code 0: the net does what the mission says. 1: it does not. 2: it is not ch
 
 from __future__ import annotations
 
-import argparse
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -42,6 +41,16 @@ except ImportError:  # the files alone, beside each other
     )
 
 
+NET = "net"
+"""The key of what is shown: that the net is the mission's."""
+
+
+OF_HARDWARE = ("out of service", "repaired", "detected")
+"""Events that move no objective."""
+Acts = frozenset[tuple[str, tuple[str, int]]]
+"""What activities do that are not idle."""
+
+
 class CoreState(NamedTuple):
     """A state of a core mission.
 
@@ -58,7 +67,7 @@ class CoreState(NamedTuple):
     at: Place
     had: Names
     facts: Facts
-    acts: frozenset[tuple[str, tuple[str, int]]]
+    acts: Acts
     out: Names
     unnoticed: Names
     suspected: Names
@@ -86,7 +95,14 @@ class CoreMission:
         out = frozenset(name for name, each in self.robot.hardware.items() if each["out"])
         none = frozenset[str]()
         self.first = CoreState("begin", none, self.robot.facts, frozenset(), out, none, none)
-        self.moved, self.begun = cache(self._moved), cache(self._begun)
+        # Of many states parts are the same: what follows from these is found once.
+        self.moved, self.begun, self.handled = (
+            cache(self._moved),
+            cache(self._begun),
+            cache(self._handled),
+        )
+        self.of_hardware, self.successes = cache(self._of_hardware), cache(self._successes)
+        self.place_says, self.acts_say = cache(self._place_says), cache(self._acts_say)
 
     def runs(self, at: Place, states: tuple[str, ...] = ("runs",)) -> Names:
         """The objectives that are in some states."""
@@ -94,50 +110,68 @@ class CoreMission:
 
     def possible(self, core: CoreState) -> set[Event]:
         """The events that may happen in a stable state."""
-        robot, acts = self.robot, dict(core.acts)
-        runs = {name: way for name, (does, way) in acts.items() if does == RUNS}
-        used = {k for name, way in runs.items() for k in robot.ways(name)[way]["consumes"]}
-        found = set[Event]()
-        for name, each in robot.hardware.items():
-            if name not in core.out:
-                if each["faulty"] and (not each["crash"] or name in used):
-                    found.add(("out of service", name))
-            elif each["repairable"] and name not in core.unnoticed:
-                found.add(("repaired", name))
-        for name in runs:
-            detects = robot.activities[name]["detects"]
-            found |= {("detected", k) for k in detects if k in core.unnoticed}
-        for name, changes in robot.changing.items():
+        found = {*self.of_hardware(core.acts, core.out, core.unnoticed)}
+        for name, changes in self.robot.changing.items():
             if not core.facts.isdisjoint(changes):
                 found.add(("declared", name))
         if core.at == "begin":
             return found | {("start", "")}
-        found.update(self.graph.possible(core.at, core.had))
-        misused = robot.held(core.acts) & core.unnoticed
-        for name in self.runs(core.at):
-            if runs.keys() >= set(robot.objectives[name]) and not misused & robot.may_use[name]:
-                found.add(("success", name))
-        return found
+        found.update(self.handled(core.at, core.had))
+        return found | self.successes(core.at, core.acts, core.unnoticed)
 
-    def after(self, core: CoreState, event: Event) -> Iterator[CoreState]:
+    def _handled(self, at: Place, had: Names) -> frozenset[Event]:
+        """The events by which the mission may leave a place, but success."""
+        return frozenset(self.graph.possible(at, had))
+
+    def _of_hardware(self, acts: Acts, out: Names, unnoticed: Names) -> frozenset[Event]:
+        """The events of hardware that may happen."""
+        robot = self.robot
+        runs = {name: way for name, (does, way) in acts if does == RUNS}
+        used = {k for name, way in runs.items() for k in robot.ways(name)[way]["consumes"]}
+        found = set[Event]()
+        for name, each in robot.hardware.items():
+            if name not in out:
+                if each["faulty"] and (not each["crash"] or name in used):
+                    found.add(("out of service", name))
+            elif each["repairable"] and name not in unnoticed:
+                found.add(("repaired", name))
+        for name in runs:
+            detects = robot.activities[name]["detects"]
+            found |= {("detected", k) for k in detects if k in unnoticed}
+        return frozenset(found)
+
+    def _successes(self, at: Place, acts: Acts, unnoticed: Names) -> frozenset[Event]:
+        """The objectives under way that may succeed."""
+        robot, runs = self.robot, {name for name, (does, _) in acts if does == RUNS}
+        misused = robot.held(acts) & unnoticed
+        return frozenset(
+            ("success", name)
+            for name in self.runs(at)
+            if runs.issuperset(robot.objectives[name]) and not misused & robot.may_use[name]
+        )
+
+    def after(self, core: CoreState, event: Event) -> list[CoreState]:
         """The stable states to which an event that is possible may lead: one, or by who comes first."""
-        what, name, out, unnoticed, suspected = *event[:2], core.out, core.unnoticed, core.suspected
-        one = {name} if name else set[str]()
+        (what, name, *_), (at, had, facts, acts, out, unnoticed, suspected) = event, core
+        moves = () if what in OF_HARDWARE else event
         if what == "out of service":
-            out |= one
-            unnoticed |= one if self.robot.hardware[name]["late"] else set()
+            out |= {name}
+            unnoticed |= {name} if self.robot.hardware[name]["late"] else set()
         elif what == "repaired":
-            out -= one
+            out -= {name}
         elif what == "detected":
-            unnoticed, suspected = unnoticed - one, suspected - one
+            unnoticed, suspected = unnoticed - {name}, suspected - {name}
         elif what in ("failure", "timeout") and name in self.objectives:
-            suspected |= self.robot.held(core.acts) & unnoticed & self.robot.may_use[name]
-        moves = () if what in ("out of service", "repaired", "detected") else event
-        at, had, facts, stops, begin = self.moved(core.at, core.had, core.facts, moves)
-        acts = frozenset(each for each in core.acts if each[0] not in stops) if stops else core.acts
-        for end in self.robot.settled(RobotMoment(acts, begin, out - unnoticed, suspected), facts):
-            begun = self.begun(at, end.begin)
-            yield CoreState(begun, had, facts, end.acts, out, unnoticed - end.known, end.suspected)
+            suspected |= self.robot.held(acts) & unnoticed & self.robot.may_use[name]
+        at, had, facts, stops, begin = self.moved(at, had, facts, moves)
+        acts = frozenset(each for each in acts if each[0] not in stops) if stops else acts
+        known = out - unnoticed if unnoticed else out
+        return [
+            CoreState(
+                self.begun(at, end.begin), had, facts, end.acts, out, unnoticed - end.known, end.suspected
+            )
+            for end in self.robot.settled(RobotMoment(acts, begin, known, suspected), facts)
+        ]
 
     def _begun(self, at: Place, waiting: Names) -> Place:
         """The same where all objectives under way run, but for some that wait."""
@@ -181,25 +215,29 @@ class CoreMission:
 
     def says(self, core: CoreState) -> frozenset[tuple[str, str]]:
         """What places of the net say in such a state, as pairs of role and element."""
-        if isinstance(core.at, str):
-            said = {(ENDS.get(core.at, core.at), "")}
-        else:
-            said = {
-                ("objective" if state == "runs" else "pending", name)
-                for name, state in self.graph.leaves(core.at)
-            }
-            said |= {("done", name) for name in self.graph.done(core.at)}
-        for name, (does, way) in core.acts:
-            if does == "refused":
-                said.add(("refused", name))
-            else:
-                alternative = f"{name}.{self.robot.ways(name)[way]['name']}"
-                said.add(("active" if does == RUNS else "waits", alternative))
-        said |= {("oos", name) for name in core.out}
+        said = {("oos", name) for name in core.out}
         late = (name for name in core.out - core.unnoticed if self.robot.hardware[name]["late"])
         said |= {("known", name) for name in late}
         said |= {("fact", f"{fact}={value}") for fact, value in core.facts}
-        return frozenset(said | {("happened", handler) for handler in core.had})
+        said |= {("happened", handler) for handler in core.had}
+        return self.place_says(core.at).union(self.acts_say(core.acts), said)
+
+    def _place_says(self, at: Place) -> frozenset[tuple[str, str]]:
+        """The same of a place of the mission."""
+        if isinstance(at, str):
+            return frozenset({(ENDS.get(at, at), "")})
+        said = {
+            ("objective" if state == "runs" else "pending", name) for name, state in self.graph.leaves(at)
+        }
+        return frozenset(said | {("done", name) for name in self.graph.done(at)})
+
+    def _acts_say(self, acts: Acts) -> frozenset[tuple[str, str]]:
+        """The same of what activities do."""
+        said = set[tuple[str, str]]()
+        for name, (does, way) in acts:
+            alternative = name if does == "refused" else f"{name}.{self.robot.ways(name)[way]['name']}"
+            said.add(({RUNS: "active", "refused": does}.get(does, "waits"), alternative))
+        return frozenset(said)
 
 
 def changed(facts: Facts, to: dict[str, str]) -> Facts:
@@ -242,14 +280,19 @@ def walked(graph: certcheck.Listing, mission: CoreMission) -> tuple[int, int]:
         certcheck.need(len(edges) == len(graph.edges[state]), f"{here}: the net has an event twice")
         agree(frozenset(edges), frozenset(possible), f"{here}: possible")
         for event, target in edges.items():
-            ends, events = [*mission.after(core, event)], events + 1
-            left = [each for each in ends if (target, each) in met or says(each) == shown[target]]
-            if not left:
-                agree(shown[target], says(ends[0]), f"{here}: after {' '.join(event)}")
-            for pair in ((target, each) for each in left):
-                if pair not in met:
+            ends, fits, events = mission.after(core, event), False, events + 1
+            for each in ends:
+                pair = (target, each)
+                if pair in met:
+                    fits = True
+                elif says(each) == shown[target]:
+                    fits = True
                     met.add(pair)
                     todo.append(pair)
+            if not fits:
+                after = f"{here}: after {' '.join(event)}"
+                certcheck.need(ends, f"{after}: the mission comes to no end")
+                agree(shown[target], says(ends[0]), after)
     return len(met), events
 
 
@@ -269,43 +312,31 @@ def mission_of(entries: dict[str, bytes]) -> CoreMission:
     return CoreMission(certcheck.parsed(entries, "core.json"))
 
 
-def played(graph: certcheck.Listing, entries: dict[str, bytes]) -> tuple[int, int]:
-    """Walks the states of a certificate's net beside its core mission, as :func:`walked`."""
-    return walked(graph, mission_of(entries))
-
-
-def checked(path: str, seconds: float = 600, most: int = 2_000_000) -> tuple[int, int]:
-    """Checks the net of a certificate; how many pairs and events there are.
+def played(listing: Callable[[], certcheck.Listing], entries: dict[str, bytes]) -> certcheck.Report:
+    """Walks the states of a certificate's net beside its core mission; what becomes of the claim on the net.
 
     Raises:
         certcheck.Malformed: It has no entry that can be understood.
-        certcheck.Refuted: The net does something else.
         certcheck.Limit: A limit was hit.
     """
-    until, (entries, net, _) = time.monotonic() + seconds, certcheck.read(path)
     mission = mission_of(entries)  # whatever is malformed is so before anything is refuted
-    return walked(certcheck.Listing(net, most, until), mission)
+    try:
+        pairs, events = walked(listing(), mission)
+    except certcheck.Refuted as error:
+        return [("refuted", NET, str(error))]
+    return [("proved", NET, f"{pairs} pairs of states, {events} events")]
+
+
+def checked(path: str, *, most: int = 2_000_000, seconds: float = 600) -> certcheck.Report:
+    """Checks the net of a certificate; raises Malformed and Limit as certcheck does."""
+    until, (entries, net, _) = time.monotonic() + seconds, certcheck.read(path)
+    return played(lambda: certcheck.Listing(net, most, until), entries)
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Checks the certificate that the command line names, and prints what became of it."""
-    parser = argparse.ArgumentParser(
-        "corecheck", description="Plays a core mission beside a certificate's net."
-    )
-    parser.add_argument("certificate")
-    parser.add_argument("--max-states", type=int, default=2_000_000, help="markings to keep at most")
-    parser.add_argument("--seconds", type=float, default=600.0, help="time after which to give up")
-    asked = parser.parse_args(arguments)
-    try:
-        pairs, events = checked(asked.certificate, asked.seconds, asked.max_states)
-        code, said = 0, f"proved: {pairs} pairs of states, {events} events"
-    except certcheck.Refuted as error:
-        code, said = 1, f"refuted: {error}"
-    except (certcheck.Malformed, certcheck.Limit, RecursionError, MemoryError) as error:
-        code, said = 2, f"not checked: {error or 'there is not enough memory'}"
-    line = f"net  {said}".encode("ascii", "backslashreplace").decode()
-    sys.stdout.write(line.translate(dict.fromkeys(range(32), "?")) + "\n")
-    return code
+    """Checks the certificate that the command line names."""
+    words = "Plays a core mission beside a certificate's net."
+    return certcheck.ran(checked, words, arguments, "certificate")
 
 
 if __name__ == "__main__":

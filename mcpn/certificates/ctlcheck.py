@@ -11,7 +11,6 @@ states, modular ones rules on bits. The page docs/certificates.md says it in ful
 
 from __future__ import annotations
 
-import argparse
 import re
 import sys
 import time
@@ -269,8 +268,11 @@ def walked(graph: certcheck.Listing, controller: ctlforms.WalkedController) -> t
 
 def document_at(path: str) -> Json:
     """A controller's document; unlike in certificates times may have fractions."""
-    with open(path, "rb") as file:
-        text = file.read(certcheck.MOST_BYTES + 1)
+    try:
+        with open(path, "rb") as file:
+            text = file.read(certcheck.MOST_BYTES + 1)
+    except OSError as error:
+        raise certcheck.Malformed(str(error)) from error
     certcheck.need(len(text) <= certcheck.MOST_BYTES, f"{path} is too long", certcheck.Limit)
     document = certcheck.parsed({"controller": text}, "controller", float)
     if not isinstance(document, dict) or document.get("form") not in ("hierarchical", "flat", "modular"):
@@ -278,35 +280,28 @@ def document_at(path: str) -> Json:
     return document
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Checks the controller that the command line names against the net of a certificate."""
-    parser = argparse.ArgumentParser(
-        "ctlcheck", description="Checks a controller against a certificate's net."
-    )
-    parser.add_argument("certificate")
-    parser.add_argument("controller", help="controller.json, of any form")
-    parser.add_argument("--max-states", type=int, default=2_000_000, help="markings to keep at most")
-    parser.add_argument("--seconds", type=float, default=600.0, help="time after which to give up")
-    asked = parser.parse_args(arguments)
-    code, said = checked(asked.certificate, asked.controller, asked.max_states, asked.seconds)
-    sys.stdout.write(said.encode("ascii", "backslashreplace").decode().replace("\n", " ") + "\n")
-    return code
-
-
-def checked(certificate: str, controller: str, most: int, seconds: float) -> tuple[int, str]:
-    """The exit code and what is said of a controller, with at most so many markings and seconds."""
+def checked(
+    certificate: str, controller: str, *, most: int = 2_000_000, seconds: float = 600
+) -> certcheck.Report:
+    """Checks a controller against the net of a certificate; raises Malformed and Limit as certcheck does."""
     until = time.monotonic() + seconds
+    net = certcheck.Net(certcheck.parsed(certcheck.unpacked(certificate), "net.json"))
     try:
-        net = certcheck.Net(certcheck.parsed(certcheck.unpacked(certificate), "net.json"))
         read = ctlforms.WalkedController(document_at(controller))
         pairs, taken = walked(certcheck.Listing(net, most, until), read)
     except certcheck.Refuted as error:
-        return 1, f"refuted      controller: {error}"
-    except (certcheck.Malformed, certcheck.Limit, OSError) as error:
-        return 2, f"not checked  controller: {error}"
-    except (LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError) as error:
-        return 2, f"not checked  controller: its document is not as mcpn writes it: {error!r}"
-    return 0, f"proved       controller: {pairs} pairs of states, {taken} events between them"
+        return [("refuted", "controller", str(error))]
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        raise certcheck.Malformed(
+            f"{controller}: the document is not as mcpn writes it: {error!r}"
+        ) from error
+    return [("proved", "controller", f"{pairs} pairs of states, {taken} events between them")]
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Checks the controller that the command line names against the net of a certificate."""
+    words = "Checks a controller of any form against a certificate's net."
+    return certcheck.ran(checked, words, arguments, "certificate", "controller")
 
 
 if __name__ == "__main__":

@@ -8,11 +8,10 @@ describes it in full. Exit codes are those of ``certcheck``.
 
 from __future__ import annotations
 
-import argparse
 import sys
 import time
 from collections.abc import Iterable
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 try:
@@ -373,44 +372,23 @@ def cut_sets(of: CertifiedSets, claim: Json) -> None:
 
 def checked(path: str, *, most: int = 5_000_000, seconds: float = 600) -> certcheck.Report:
     """Checks the claims by diagrams of a certificate; raises Malformed and Limit as certcheck does."""
-    until, entries, report = time.monotonic() + seconds, certcheck.unpacked(path), certcheck.Report()
+    until, entries = time.monotonic() + seconds, certcheck.unpacked(path)
     net = certcheck.Net(certcheck.parsed(entries, "net.json"))
-    document = certcheck.shaped(certcheck.parsed(entries, "diagrams.json"), DIAGRAMS, "diagrams.json")
-    claims = document["claims"]
-    keys = {claim["key"] for claim in claims}
-    certcheck.need(len(keys) == len(claims), "diagrams.json: two claims have one key", certcheck.Malformed)
+    claims = certcheck.claims_in(entries, "diagrams.json", DIAGRAMS)
+    document = certcheck.parsed(entries, "diagrams.json")
+    sets = cache(lambda: CertifiedSets(net, document, most, until))
     deepest = sys.getrecursionlimit()
     sys.setrecursionlimit(max(deepest, 20 * len(net.names) + 1000))
     try:
-        of: CertifiedSets | None = None
-        for claim in claims:
-            try:
-                of = of or CertifiedSets(net, document, most, until)
-                judge(of, claim)
-                report.append(("proved", claim["key"], claim["sentence"]))
-            except (certcheck.Refuted, certcheck.Limit) as error:
-                report.append((certcheck.HOW[type(error)], claim["key"], str(error)))
+        return certcheck.each(lambda claim: judge(sets(), claim), claims)
     finally:
         sys.setrecursionlimit(deepest)
-    return report
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Checks the certificate that the command line names, and prints what became of each claim."""
-    parser = argparse.ArgumentParser("diagcheck", description="Checks claims by diagrams of a certificate.")
-    parser.add_argument("certificate")
-    parser.add_argument("--max-nodes", type=int, default=5_000_000, help="nodes of diagrams to keep at most")
-    parser.add_argument("--seconds", type=float, default=600.0, help="time after which to give up")
-    asked = parser.parse_args(arguments)
-    try:
-        report = checked(asked.certificate, most=asked.max_nodes, seconds=asked.seconds)
-    except (certcheck.Malformed, certcheck.Limit, RecursionError, MemoryError) as error:
-        report = [("not checked", asked.certificate, str(error) or "there is not enough memory")]
-    for how, key, why in report:  # of any text, without control characters
-        line = f"{how:11}  {key}: {why}".encode("ascii", "backslashreplace").decode()
-        sys.stdout.write(line.translate(dict.fromkeys(range(32), "?")) + "\n")
-    found = {how for how, _, _ in report}
-    return 1 if "refuted" in found else 2 if found - {"proved"} else 0
+    """Checks the certificate that the command line names."""
+    words = "Checks claims by diagrams of a certificate."
+    return certcheck.ran(checked, words, arguments, "certificate", limit="nodes")
 
 
 if __name__ == "__main__":

@@ -7,7 +7,6 @@ describes. Exit codes are those of ``certcheck``.
 
 from __future__ import annotations
 
-import argparse
 import re
 import sys
 import time
@@ -414,26 +413,18 @@ def judge(graph: LabelledStates, claim: Json) -> None:
     where = f"further.json: {claim['key']}: kind"
     certcheck.need(claim["kind"] in KINDS, f"{where}: found {claim['kind'][:60]!r}", certcheck.Malformed)
     certcheck.need(claim["holds"], "that it fails is never certified")
+    graph.listing.within()
     KINDS[claim["kind"]](graph, claim)
 
 
 def judged(listing: Callable[[], certcheck.Listing], entries: dict[str, bytes]) -> certcheck.Report:
     """What becomes of the further claims, on states that are listed."""
-    claims = certcheck.shaped(certcheck.parsed(entries, "further.json"), FURTHER, "further.json")["claims"]
-    keys, report = {claim["key"] for claim in claims}, certcheck.Report()
-    certcheck.need(len(keys) == len(claims), "further.json: two claims have one key", certcheck.Malformed)
+    claims = certcheck.claims_in(entries, "further.json", FURTHER)
     try:
         graph = LabelledStates(listing())
     except (certcheck.Refuted, certcheck.Limit) as error:
         return [("not checked", claim["key"], str(error)) for claim in claims]
-    for claim in claims:
-        try:
-            graph.listing.within()
-            judge(graph, claim)
-            report.append(("proved", claim["key"], claim["sentence"]))
-        except (certcheck.Refuted, certcheck.Limit) as error:
-            report.append((certcheck.HOW[type(error)], claim["key"], str(error)))
-    return report
+    return certcheck.each(lambda claim: judge(graph, claim), claims)
 
 
 def checked(path: str, *, most: int = 2_000_000, seconds: float = 600) -> certcheck.Report:
@@ -444,23 +435,9 @@ def checked(path: str, *, most: int = 2_000_000, seconds: float = 600) -> certch
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Checks the certificate that the command line names, and prints what became of each claim."""
-    parser = argparse.ArgumentParser(
-        "furthercheck", description="Checks cut sets at every moment, and chances."
-    )
-    parser.add_argument("certificate")
-    parser.add_argument("--max-states", type=int, default=2_000_000, help="markings to keep at most")
-    parser.add_argument("--seconds", type=float, default=600.0, help="time after which to give up")
-    asked = parser.parse_args(arguments)
-    try:
-        report = checked(asked.certificate, most=asked.max_states, seconds=asked.seconds)
-    except (certcheck.Malformed, certcheck.Limit, RecursionError, MemoryError) as error:
-        report = [("not checked", asked.certificate, str(error) or "there is not enough memory")]
-    for how, key, why in report:  # of any text, without control characters
-        line = f"{how:11}  {key}: {why}".encode("ascii", "backslashreplace").decode()
-        sys.stdout.write(line.translate(dict.fromkeys(range(32), "?")) + "\n")
-    found = {how for how, _, _ in report}
-    return 1 if "refuted" in found else 2 if found - {"proved"} else 0
+    """Checks the certificate that the command line names."""
+    words = "Checks cut sets at every moment, and chances."
+    return certcheck.ran(checked, words, arguments, "certificate")
 
 
 if __name__ == "__main__":

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from mcpn.certificates import certcheck, corecheck, diagcheck, furthercheck
+from mcpn.certificates.corecheck import NET
 from mcpn.certificates.sections import sectioncheck
 
 if TYPE_CHECKING:
@@ -18,8 +19,6 @@ SECONDS = 60.0
 """Time that certcheck gets where a command runs it."""
 MOST = 2_000_000
 """Markings that it may keep."""
-NET = "net"
-"""The key of what corecheck shows: that the net is the mission's."""
 STILL_TRUSTED = (
     "still trusted: reader and templates, which make the net of the mission, and that a formula says what "
     "its text says"
@@ -116,12 +115,12 @@ def verified(certificate: Certificate, file: Path, seconds: float = SECONDS) -> 
         report += certcheck.judged(listing, claims)
         if certificate.further:
             report += furthercheck.judged(listing, entries)
-        report.append(_played(listing, entries))
+        report += corecheck.played(listing, entries)
     except GAVE_UP as error:
         known = {key for _, key, _ in report}
         every = [*certificate.claims, *certificate.further]
         keys = [*(claim["key"] for claim in every), NET]
-        report += [("not checked", key, _why(error)) for key in keys if key not in known]
+        report += [("not checked", key, gave_up(error)) for key in keys if key not in known]
     return Verified(certificate, file, {key: (how, why) for how, key, why in report})
 
 
@@ -132,18 +131,10 @@ def _by(
     try:
         report = checker(str(file), seconds=seconds)
     except GAVE_UP as error:
-        report = [("not checked", claim["key"], _why(error)) for claim in claims]
+        report = [("not checked", claim["key"], gave_up(error)) for claim in claims]
     return {key: (how, why) for how, key, why in report}
 
 
-def _played(listing: Callable[[], certcheck.Listing], entries: dict[str, bytes]) -> tuple[str, str, str]:
-    """What corecheck says of the net of a certificate, on the states that certcheck has listed."""
-    try:
-        corecheck.played(listing(), entries)
-    except certcheck.Refuted as error:
-        return "refuted", NET, str(error)
-    return "proved", NET, ""
-
-
-def _why(error: BaseException) -> str:
+def gave_up(error: BaseException) -> str:
+    """Why a checker gave up."""
     return str(error) or "there is not enough memory"

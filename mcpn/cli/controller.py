@@ -130,10 +130,12 @@ def controller(
 def _walked(certificate: Path, controller: Path | None) -> str:
     """What ctlcheck says of a controller beside a certificate, and how it is asked elsewhere."""
     from mcpn.certificates import ctlcheck
-    from mcpn.certificates.verified import MOST, SECONDS
+    from mcpn.certificates.verified import GAVE_UP, MOST, SECONDS, gave_up
 
     if controller is None:
         return "not checked: it walks controller.json, which --target json writes"
-    _, said = ctlcheck.checked(str(certificate), str(controller), MOST, SECONDS)
-    how, _, why = said.partition("controller: ")
-    return f"{how.strip()}: {why} (python -m mcpn.certificates.ctlcheck {certificate} {controller})"
+    try:
+        ((how, _, why),) = ctlcheck.checked(str(certificate), str(controller), most=MOST, seconds=SECONDS)
+    except GAVE_UP as error:
+        how, why = "not checked", gave_up(error)
+    return f"{how}: {why} (python -m mcpn.certificates.ctlcheck {certificate} {controller})"

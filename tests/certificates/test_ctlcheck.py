@@ -117,7 +117,7 @@ def test_the_command_says_what_it_says(tmp_path: Path, monkeypatch: pytest.Monke
     # the arm in and out of service, before and after either end; as "o" runs it works, is out, or is back
     assert "\nctlcheck: proved: 9 pairs of states, " in mcpn(*asked).stdout
     assert output(*asked, "--target", "c")["walked"].startswith("not checked: it walks controller.json")
-    monkeypatch.setattr(ctlcheck, "checked", lambda *_: (1, "refuted      controller: why"))
+    monkeypatch.setattr(ctlcheck, "checked", lambda *_, **__: [("refuted", "controller", "why")])
     assert output(*asked, code=1)["walked"].startswith("refuted: why")
 
 

@@ -1,4 +1,4 @@
-"""certcheck fires some internal transitions first, and finds what it finds in every order."""
+"""certcheck fires some internal transitions first, takes big steps, and finds what every order shows."""
 
 from __future__ import annotations
 
@@ -13,15 +13,30 @@ Found = list[int] | str
 
 
 def listed(document: dict[str, object], monkeypatch: pytest.MonkeyPatch, every: bool) -> tuple[Found, int]:
-    """The stable markings of a net, or why it has none; and how many markings it takes to keep."""
+    """The stable markings of a net, or why it has none; and how often it fires."""
     with monkeypatch.context() as patched:
         if every:
             patched.setattr(certcheck.Net, "first", lambda net, transition: False)
+            patched.setattr(certcheck.Listing, "behind", _behind_each)
+        fired = Counter[int]()
+        fires = certcheck.Net.fired
+
+        def counted(net: certcheck.Net, marking: int, t: int) -> int:
+            fired[t] += 1
+            return fires(net, marking, t)
+
+        patched.setattr(certcheck.Net, "fired", counted)
         try:
             graph = certcheck.Listing(certcheck.Net(document), 20_000, float("inf"))
         except certcheck.Refuted as error:
             return str(error).partition(":")[0], 0
-    return [*graph.stable, *(n for edges in graph.edges for pair in edges for n in pair)], len(graph.ends)
+    return [*graph.stable, *(n for edges in graph.edges for pair in edges for n in pair)], fired.total()
+
+
+def _behind_each(graph: certcheck.Listing, marking: int, t: int) -> int:
+    """The end behind an event, without what is known of other markings."""
+    after = graph.net.fired(marking, t)
+    return graph.settled(after, graph.covered(after, [], t))
 
 
 def drawn(draw: Random) -> dict[str, object]:

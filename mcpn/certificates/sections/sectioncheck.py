@@ -11,7 +11,6 @@ Exit code 0: all claims are proved. 1: one is refuted. 2: something is not check
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import time
@@ -36,6 +35,8 @@ except ImportError:  # the files alone, beside each other
     )
     from corerobot import CoreRobot, Names, RobotMoment  # type: ignore[import-not-found, no-redef]
 
+MOST_STATES = 500_000
+"""States of types to keep at most."""
 STATUS = ("out of service", "repaired")
 """Events that change nothing but the status of hardware, and how activities react."""
 GOALS = {
@@ -362,41 +363,18 @@ def judge(sections: PlayedSections, claim: Json) -> None:
         certcheck.need(not GOALS[kind] & sections.ends, "a section may lead there")
 
 
-def checked(path: str, *, most: int = 500_000, seconds: float = 600) -> certcheck.Report:
+def checked(path: str, *, most: int = MOST_STATES, seconds: float = 600) -> certcheck.Report:
     """Checks the claims by sections of a certificate; raises Malformed and Limit as certcheck does."""
     budget, entries = Budget(most, time.monotonic() + seconds), certcheck.unpacked(path)
-    document = certcheck.shaped(certcheck.parsed(entries, "sections.json"), certcheck.CLAIMS, "sections.json")
-    claims: list[dict[str, Any]] = document["claims"]
-    keys = {claim["key"] for claim in claims}
-    certcheck.need(len(keys) == len(claims), "sections.json: two claims have one key", certcheck.Malformed)
-    sections, report = PlayedSections(certcheck.parsed(entries, "core.json"), budget), certcheck.Report()
-    for claim in claims:
-        try:
-            judge(sections, claim)
-            report.append(("proved", claim["key"], claim["sentence"]))
-        except certcheck.Refuted as error:
-            report.append(("refuted", claim["key"], str(error)))
-    return report
+    claims = certcheck.claims_in(entries, "sections.json", certcheck.CLAIMS)
+    sections = PlayedSections(certcheck.parsed(entries, "core.json"), budget)
+    return certcheck.each(lambda claim: judge(sections, claim), claims)
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Checks the certificate that the command line names, and prints what became of each claim."""
-    parser = argparse.ArgumentParser(
-        "sectioncheck", description="Checks claims by sections of a certificate."
-    )
-    parser.add_argument("certificate")
-    parser.add_argument("--max-states", type=int, default=500_000, help="states of types to keep at most")
-    parser.add_argument("--seconds", type=float, default=600.0, help="time after which to give up")
-    asked = parser.parse_args(arguments)
-    try:
-        report = checked(asked.certificate, most=asked.max_states, seconds=asked.seconds)
-    except (certcheck.Malformed, certcheck.Limit, RecursionError, MemoryError) as error:
-        report = [("not checked", asked.certificate, str(error) or "there is not enough memory")]
-    for how, key, why in report:  # of any text, without control characters
-        line = f"{how:11}  {key}: {why}".encode("ascii", "backslashreplace").decode()
-        sys.stdout.write(line.translate(dict.fromkeys(range(32), "?")) + "\n")
-    found = {how for how, _, _ in report}
-    return 1 if "refuted" in found else 2 if found - {"proved"} else 0
+    """Checks the certificate that the command line names."""
+    words = "Checks claims by sections of a certificate."
+    return certcheck.ran(checked, words, arguments, "certificate")
 
 
 if __name__ == "__main__":

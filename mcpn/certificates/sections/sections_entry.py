@@ -13,10 +13,12 @@ from mcpn.certificates.sections import sectioncheck
 
 SECONDS = 60.0
 """Time to play the types of sections."""
-MOST_STATES = 500_000
-"""States of types to keep, as sectioncheck does."""
 OF_THE_NET = "it is of the net, which is too large for a certificate"
 NO_TYPE = "no type of section proves it"
+
+
+def _budget() -> sectioncheck.Budget:
+    return sectioncheck.Budget(sectioncheck.MOST_STATES, time.monotonic() + SECONDS)
 
 
 def claims_by_sections(
@@ -31,7 +33,7 @@ def claims_by_sections(
     Raises:
         certcheck.Limit: Its sections are not apart, or have too many states.
     """
-    sections = sectioncheck.PlayedSections(core, sectioncheck.Budget(MOST_STATES, time.monotonic() + SECONDS))
+    sections = sectioncheck.PlayedSections(core, _budget())
     proved, trusted = dict[str, dict[str, Any]](), dict[str, tuple[str, str]]()
     for claim in claims:
         if claim.key in proved or claim.key in trusted:
