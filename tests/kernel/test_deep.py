@@ -220,16 +220,25 @@ def test_what_has_room_fits(stack: int) -> None:
 def test_where_addresses_are_limited_the_stack_is_not_relied_on(more: int) -> None:
     """The first thread's stack is mapped as it grows: where it could not, the process would end."""
     run = alone(
-        "from tests.kernel.test_store import switches\n"
         "from mcpn._kernel import Store\n"
         "store = Store(3000)\n"
-        "events, start = switches(store), store.singleton([])\n"
         "used = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()\n"
         f"resource.setrlimit(resource.RLIMIT_AS, (used + {more}, used + {more}))\n"
-        "try:\n    start.saturate(events)\n"
+        "try:\n    store.singleton([])\n"
         "except MemoryError:\n    print('refused')\n"
     )
     assert (run.returncode, run.stdout) == (0, "refused\n"), run.stderr
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").is_file(), reason="needs /proc")
+@pytest.mark.parametrize("levels", [1000, 3000])
+def test_where_addresses_are_limited_the_stack_is_mapped_first(levels: int) -> None:
+    run = alone(
+        "used = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()\n"
+        "resource.setrlimit(resource.RLIMIT_AS, (used + (1 << 30), used + (1 << 30)))\n"
+        + FIRST.format(levels=levels)
+    )
+    assert (run.returncode, run.stdout) == (0, "0\n"), run.stderr
 
 
 SCRIPTS = {

@@ -97,7 +97,7 @@ void run_on_deep_stack(Store& store, std::function<void()> body, Watch& watch) {
 void run_operation(Store& store, std::function<void()> body, Progress& progress) {
   Watch watch(store, progress);
   if (watch.told_to_stop()) throw nb::python_error();
-  if (kCallersBase + by_level(store) <= room_on_stack())
+  if (room_on_stack(kCallersBase + by_level(store)))
     run_here(store, body, watch);
   else
     run_on_deep_stack(store, std::move(body), watch);
