@@ -40,7 +40,8 @@ def in_turns(
     """What several kinds of work tell and when they pause, until all have ended.
 
     Whoever has had the least CPU time so far is next: each gets as much as every other, however coarse its
-    pauses are. What is told ends no slice, since more may follow from it at once.
+    pauses are. What is told ends no slice, since more may follow from it at once; a slice in which something
+    was told counts less, so that who has answers has more time.
 
     Args:
         ways: Kinds of work, in the order of their first turns. ``None`` is a pause: something else may go on.
@@ -55,11 +56,12 @@ def in_turns(
     while spent and not over():
         way = min(spent, key=spent.__getitem__)
         begun = time.process_time()
-        until = begun + max(first, SHARE * spent[way])
+        until, answers = begun + max(first, SHARE * spent[way]), 0
         for told in way:
+            answers += told is not None
             yield told
             if over() or (told is None and time.process_time() >= until):
-                spent[way] += (time.process_time() - begun) / share(way)
+                spent[way] += (time.process_time() - begun) / (share(way) * (1 + answers))
                 break
         else:
             del spent[way]

@@ -19,6 +19,7 @@ LIBRARIES = {
     "faults/both_checkers",
     "faults/callers",
     "nets/dd_engine",
+    "shared/contest_nets",
     "shared/drawing",
     "shared/limits",
     "shared/plots",

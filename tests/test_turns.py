@@ -80,3 +80,17 @@ def test_what_is_needed_at_once_is_finished() -> None:
         return 3
 
     assert finished(work()) == 3
+
+
+def test_who_has_answers_has_more_time(clock: Clock) -> None:
+    def telling(name: str) -> Iterator[str | None]:
+        for _ in range(10_000):
+            clock.now += 0.01
+            clock.spent[name] = clock.spent.get(name, 0.0) + 0.01
+            yield name
+            yield None
+
+    ways = [clock.work("silent", 0.01, 100_000), telling("telling")]
+    for _ in in_turns(ways, lambda: clock.now > 60):
+        pass
+    assert clock.spent["telling"] > 2 * clock.spent["silent"]

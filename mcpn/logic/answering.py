@@ -57,6 +57,10 @@ FIRST_STEPS, STEPS_FACTOR, MOST_STEPS = 600_000, 2, 2**60
 """Of the race for the space, how many times as many each turn has, and when it goes on to its end."""
 SHARE, SHARE_OF_SMALL, SHORT_SLICE = 0.75, 8, 0.05
 """The space's time beside all other ways, if small; seconds of first turns where a search comes first."""
+SHARE_OF_EQUATION = 2
+"""Of the state equation's time beside other ways, for three kinds of questions are asked of it."""
+RESTS = 4
+"""How many times as long as formulas have been rewritten they are not, although more is known."""
 FIRST_SLICE_OF_QUESTION, FIRST_ROUND, SLICE_FACTOR = 0.4, 1.0, 3.0
 WALK_STEPS = 50_000
 LOCAL_STEPS = (20_000, 200_000, 1_000_000, 5_000_000, 25_000_000, 125_000_000)
@@ -173,10 +177,20 @@ class _Answers(OpenQuestions):
         if not questions.searchable:
             return [self.one_safe_at_sight(), *space]
         if not self.typed:
-            at_sight = chain(self.one_safe_at_sight(), self.rewritten(), self.by_structure())
-            beside = [self.by_equation(), self.by_need(), self.by_paths()]
-            beside.insert(0 if self.searched else len(beside), self.by_search())
-            others = in_turns(beside, lambda: not self.waiting)
+            at_sight: Iterator[ContestAnswer | None] = chain(self.one_safe_at_sight(), self.rewritten())
+            structure, equation, search = self.by_structure(), self.by_equation(), self.by_search()
+            if self.searched:  # often a walk is enough, and the invariants take longer
+                equation = chain(structure, equation)
+            else:
+                at_sight = chain(at_sight, structure)
+            beside = [equation, self.by_need(), self.by_paths()]
+            beside.insert(0 if self.searched else len(beside), search)
+            others = in_turns(
+                beside,
+                lambda: not self.waiting,
+                first=SHORT_SLICE,
+                share=lambda way: SHARE_OF_EQUATION if way is equation else 1,
+            )
             return [at_sight, others, *space] if self.searched else [at_sight, *space, others]
         # The space of a mission is not far, once a search has found nothing; in a small one it has the
         # shortest runs.
@@ -371,8 +385,19 @@ class _Answers(OpenQuestions):
         facts = self.facts
         assert facts is not None
         formulas = [asked for asked in self.waiting.values() if isinstance(asked, Formula)]
-        yield from facts.knowing(chain.from_iterable(map(conditions, map(self.known.simple, formulas))))
+        asked = chain.from_iterable(map(conditions, map(self.known.simple, formulas)))
         self.known.believe(facts)
+        known, rested = 0, 0.0
+        for _ in facts.knowing(asked):
+            yield None
+            begun = time.process_time()
+            if facts.constants > known and begun >= rested:
+                known = facts.constants
+                self.known.forget()
+                yield from self.rewritten(STATE_EQUATION)
+                now = time.process_time()
+                rested = now + RESTS * (now - begun)
+        self.known.forget()
         yield from self.rewritten(STATE_EQUATION)
         if LIVE in self.waiting.values() or any(self.known.goal(part) is None for part in self.parts()):
             self.known.home = home = yield from facts.going_home()
@@ -395,7 +420,7 @@ class _Answers(OpenQuestions):
             yield from self.bounded()
             parts = [part for part in (*self.parts(), *self.bounding) if part not in tried]
             goals = {part: goal for part in parts if (goal := self.known.goal(part)) is not None}
-            if not goals or (tried and not self.nested & goals.keys()):
+            if not goals:
                 return
             from mcpn.spaces.search.portfolio import ROUNDS, SHORT, Portfolio
 

@@ -55,6 +55,7 @@ class OpenQuestions:
         self.ways: dict[str, dict[str, None]] = {name: {} for name in waiting}  # that decided parts of it
         self.known = Known(net, settled=settled)
         self.bounding: dict[Formula, list[tuple[Formula, bool]]] = {}
+        self.before: dict[str, list[Formula]] = {}  # what was asked until more was known
         self.nested: set[Formula] = set()  # parts inside others that have one value everywhere
 
     def tell_open(self) -> None:
@@ -97,6 +98,17 @@ class OpenQuestions:
                 yield from self.left(
                     name, at_first(asked, lambda atom: bool(value) if atom == part else None)
                 )
+            else:
+                yield from self.looked_back(name, part, *ways)
+
+    def looked_back(self, name: str, part: Meaning, *ways: str) -> Iterator[ContestAnswer]:
+        """Answers a question that a part decides as it was asked before more was known."""
+        for before in self.before.get(name, ()):
+            if part in parts_at_first(before):
+                rest = at_first(before, self.known.values.get)
+                if rest in (TRUE, FALSE):
+                    yield from self.answer(name, rest == TRUE, *ways)
+                    return
 
     def left(self, name: str, rest: Formula, *ways: str) -> Iterator[ContestAnswer]:
         """Keeps what is left to ask of a formula, or yields the answer if nothing is."""
@@ -118,6 +130,7 @@ class OpenQuestions:
                 rest = self.known.rest(formula)
                 if rest != formula:
                     self.ways[name].update(dict.fromkeys(by))
+                    self.before.setdefault(name, []).append(formula)
                 yield from self.left(name, rest, *how)
 
 

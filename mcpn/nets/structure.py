@@ -198,9 +198,10 @@ def state_machine_units(net: PetriNet, *, steps: int = SEARCH_STEPS) -> tuple[tu
     return finished(_grown(net, steps))
 
 
-def _grown(net: PetriNet, steps: int) -> Pausing[tuple[tuple[int, ...], ...]]:
-    """The units, with a pause after each search."""
+def _grown(net: PetriNet, steps: int, known: Iterable[int] = ()) -> Pausing[tuple[tuple[int, ...], ...]]:
+    """The units, with a pause after each search; no search begins at a place that is known to be in some."""
     search = _UnitSearch(net)
+    search.covered.update(known)
     units: list[tuple[int, ...]] = []
     for unit in net.units:
         if not search.covered.issuperset(unit) and _holds_one_token(search.rows, net.initial, set(unit)):
@@ -363,7 +364,8 @@ def bounding(net: PetriNet) -> Pausing[list[float]]:
             total = sum(weight * net.initial[place] for place, weight in vector.items())
             for place, weight in vector.items():
                 bounds[place] = min(bounds[place], total // weight)
-    for unit in (yield from _grown(net, SEARCH_STEPS)):
+    safe = [place for place, bound in enumerate(bounds) if bound <= 1]
+    for unit in (yield from _grown(net, SEARCH_STEPS, safe)):
         for place in unit:
             bounds[place] = min(bounds[place], 1)
     return bounds

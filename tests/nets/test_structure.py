@@ -4,14 +4,24 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
+from math import inf
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 
+from mcpn.nets import structure
 from mcpn.nets.formats import read_net
 from mcpn.nets.petri import NetBuilder, PetriNet
-from mcpn.nets.structure import complements, conflicts, incidence, invariants, state_machine_units
+from mcpn.nets.structure import (
+    complements,
+    conflicts,
+    incidence,
+    invariants,
+    place_bounds,
+    state_machine_units,
+)
+from mcpn.testing.nets import philosophers
 from tests.nets.nets import nets, pt_nets, state_machines
 
 
@@ -196,3 +206,21 @@ def test_invariants_of_large_nets(mcc: Path) -> None:
                 total[t] = total.get(t, 0) + weight * change
         assert not any(total.values())
     assert len(basis) == 1000  # 500 philosophers, 500 forks
+
+
+def test_no_unit_is_sought_for_a_place_that_an_invariant_bounds(monkeypatch: pytest.MonkeyPatch) -> None:
+    grown, plain = list[int](), structure._UnitSearch.grow
+
+    def grow(self: structure._UnitSearch, seed: int, steps: int) -> int:
+        grown.append(seed)
+        return plain(self, seed, steps)
+
+    monkeypatch.setattr(structure._UnitSearch, "grow", grow)
+    assert set(place_bounds(philosophers(5))) == {1}
+    assert not grown
+    net = NetBuilder("source")
+    net.place("p", initial=1)
+    net.place("q")
+    net.transition("t", consume=["p"], produce=["p", "q"])
+    assert place_bounds(net.build()) == [1, inf]
+    assert grown == [1]

@@ -32,8 +32,9 @@ from mcpn.turns import Pausing
 STEPS = 20_000
 """Firings of walks for each sum; as many for all transitions together, and some for each."""
 STEPS_OF_TRANSITION = 50
-PLANNED = 10_000
-"""Markings of a greedy search for one goal."""
+PLANNED = (500_000, 5_000_000, 25_000_000, 100_000_000)
+"""Of greedy searches for one goal, one after the other: markings times transitions that are looked at."""
+FEWEST_PLANNED = 20
 CASES = 4
 """Of the branch and bound, for each condition that is joined of several."""
 SIPHON_STEPS = 500
@@ -71,6 +72,7 @@ class Facts:
         self._bounds = list(bounds) or [inf] * len(net.places)
         self._constant: dict[Formula, bool | None] = {}
         self._asked: set[int] = set()  # transitions that the equation has been asked about
+        self._transitions_walked = False
         self._round = 0
         self._walks = self.searches.ends(steps=STEPS + len(net.transitions), walks=WALKS)
         self._came: list[list[int]] = []
@@ -97,16 +99,34 @@ class Facts:
             goal = exceeding(places, found.bound - 1)
             if holds(goal, self.net, self.net.initial):
                 yield places, found.bound, (INITIAL_STATE, *_proved(found.traps))
+            elif (yield from self._met([goal], STEPS)):
+                yield places, found.bound, (*_proved(found.traps), RANDOM_WALK)
             else:
                 left.append((places, found.bound, found, goal))
         reached = yield from self._met([goal for *_, goal in left], STEPS * len(left))
-        for number, (places, bound, found, goal) in enumerate(left):
-            if number in reached or self._counted(goal, found.counts):
-                yield places, bound, (*_proved(found.traps), RANDOM_WALK)
-            elif self._planned(goal):
-                yield places, bound, (*_proved(found.traps), HEURISTIC)
-            yield None
-        for places in unbounded:
+        for number in reached:
+            places, bound, found, _ = left[number]
+            yield places, bound, (*_proved(found.traps), RANDOM_WALK)
+        left = [each for number, each in enumerate(left) if number not in reached]
+        grows = self._growing(unbounded)
+        for effort in range(len(PLANNED)):
+            waiting, left = left, []
+            for each in waiting:
+                places, bound, found, goal = each
+                if self._planned(goal, effort):
+                    yield places, bound, (*_proved(found.traps), HEURISTIC)
+                elif effort == 1 and self._counted(goal, found.counts):
+                    yield places, bound, (*_proved(found.traps), RANDOM_WALK)
+                else:
+                    left.append(each)
+                yield None
+            yield from grows
+
+    def _growing(
+        self, asked: Iterable[tuple[int, ...]]
+    ) -> Iterator[tuple[tuple[int, ...], float, Ways] | None]:
+        """Sums that grow for ever, of those that no bound is proved for."""
+        for places in asked:
             if growth := (yield from growing(self.searches, Counter(places), self.dead)):
                 self.grows[places] = growth
                 yield places, inf, (STATE_EQUATION, HEURISTIC)
@@ -117,19 +137,24 @@ class Facts:
 
     def knowing_transitions(self) -> Pausing[None]:
         """Finds out, once, which transitions fire and which are dead, as far as that is told."""
-        if not (self.fires or self.dead):
+        if not self._transitions_walked:
+            self._transitions_walked = True
             self.dead |= set(range(len(self.net.transitions))) - possible(self.net, self.net.initial)
             yield from self._fire(STEPS)
         for t in self.unknown:
             if t in self._asked or t in self.fires or t in self.dead:
                 continue
             self._asked.add(t)
-            solution = yield from self.equation.solving(fireable(self.net, t))
+            goal = fireable(self.net, t)
+            if self._planned(goal, 0):
+                self.fires.add(t)
+                continue
+            solution = yield from self.equation.solving(goal)
             if solution.kind == "unreachable":
                 self.dead.add(t)
                 self._traps = self._traps or bool(solution.traps)
             elif solution.kind == "possible" and (
-                self._counted(fireable(self.net, t), solution.counts) or self._planned(fireable(self.net, t))
+                self._counted(goal, solution.counts) or self._planned(goal, 1)
             ):
                 self.fires.add(t)
 
@@ -182,10 +207,11 @@ class Facts:
         crowded = yield from self._crowded(1)
         if (yield from self._met([marked(p, tokens=2) for p in crowded], STEPS * len(crowded))):
             return False, (RANDOM_WALK,)
-        for place in crowded:
-            yield
-            if self._planned(marked(place, tokens=2)):
-                return False, (HEURISTIC,)
+        for effort in range(len(PLANNED)):
+            for place in crowded:
+                yield
+                if self._planned(marked(place, tokens=2), effort):
+                    return False, (HEURISTIC,)
         return (None, ()) if crowded else (True, _proved(self._traps))
 
     def _crowded(self, most: float) -> Pausing[list[int]]:
@@ -227,6 +253,11 @@ class Facts:
                 goal = as_goal(condition, self.net)
                 assert goal is not None, "it was one before"
                 self._constant[condition] = holds(goal, self.net, self.net.initial)
+
+    @property
+    def constants(self) -> int:
+        """How many conditions are known to have one value in all markings."""
+        return sum(value is not None for value in self._constant.values())
 
     def _refuting(self, goal: Goal) -> Pausing[bool]:
         """Whether the equation shows that no marking of a goal is reachable."""
@@ -328,9 +359,14 @@ class Facts:
             return False
         return bool(self.searches.met([goal], steps=STEPS + FIRINGS * firings, counts=counts))
 
-    def _planned(self, goal: Goal) -> bool:
-        """Whether a greedy search comes to a goal."""
-        return self.searches.fits and self.searches.plan(goal, max_states=PLANNED).outcome == "reached"
+    def _planned(self, goal: Goal, effort: int) -> bool:
+        """Whether a greedy search comes to a goal; what fires on its way is known to fire."""
+        if not self.searches.fits:
+            return False
+        most = PLANNED[effort] // (len(self.net.transitions) + 1)
+        found = self.searches.plan(goal, max_states=max(most, FEWEST_PLANNED), seed=effort)
+        self.fires.update(found.run)
+        return found.outcome == "reached"
 
 
 def exceeding(places: Sequence[int], bound: int) -> Goal:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from itertools import islice
 
 import pytest
@@ -9,8 +10,11 @@ from hypothesis import assume, event, given
 from hypothesis import strategies as st
 
 from mcpn.nets.petri import NetBuilder, PetriNet
+from mcpn.spaces.search.equation import Ceiling
 from mcpn.spaces.search.facts import Facts
-from mcpn.turns import finished
+from mcpn.spaces.search.goal import marked
+from mcpn.testing.nets import kanban
+from mcpn.turns import Pausing, finished
 from tests.spaces.search.goals import all_markings
 from tests.spaces.search.test_portfolio import PLAIN_NETS
 
@@ -72,3 +76,30 @@ def test_a_place_alone_is_safe(initial: int) -> None:
     builder = NetBuilder("alone")
     builder.place("p", initial=initial)
     assert finished(Facts(builder.build()).safe())[0] is True
+
+
+def test_a_bound_that_is_met_is_told_before_the_next_is_sought(monkeypatch: pytest.MonkeyPatch) -> None:
+    facts = Facts(kanban(2))
+    sought, plain = list[object](), facts.equation.bounding
+
+    def bounding(places: Counter[int]) -> Pausing[Ceiling]:
+        sought.append(places)
+        return plain(places)
+
+    monkeypatch.setattr(facts.equation, "bounding", bounding)
+    told = (each for each in facts.sums([(1,), (2,), (3,)]) if each is not None)
+    assert next(told)[:2] == ((1,), 2)
+    assert len(sought) == 1
+    assert [each[:2] for each in told] == [((2,), 2), ((3,), 2)]
+
+
+def test_what_fires_on_the_way_to_one_transition_is_asked_no_more() -> None:
+    builder = NetBuilder("chain")
+    for number in range(8):
+        builder.place(f"p{number}", initial=int(number == 0))
+    for number in range(7):
+        builder.transition(f"t{number}", consume=[f"p{number}"], produce=[f"p{number + 1}"])
+    facts = Facts(builder.build())
+    assert facts._planned(marked(7), 0)
+    assert facts.fires == {0, 1, 2, 3, 4, 5, 6}
+    assert finished(facts.quasi_live())[0] is True
