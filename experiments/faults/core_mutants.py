@@ -1,11 +1,12 @@
 """Mutants of nets, of core missions and of controllers that are walked beside each other: none is accepted.
 
-Usage: ``python experiments/faults/core_mutants.py [--mutants N] [--seed S] [--of core|controller]
+Usage: ``python experiments/faults/core_mutants.py [--mutants N] [--seed S] [--of core|controller|sections]
 [--second]`` changes N times a net beside its core mission or its controller, or puts another mission's core,
-or a changed controller, beside a net. What corecheck, with ``--second`` also the program in C++, and ctlcheck
-accept is held against another oracle: the net as mcpn's templates draw it of that mission, and the controller
-as its runtime takes events. Both are followed in pairs with the unchanged ones, and must have the same events
-and say the same. Exit code 1 if they do not, or one program alone accepts it. 1,000 mutants take a minute.
+or a changed controller, beside a net, or beside a core mission of sections. What corecheck, with ``--second``
+also the program in C++, ctlcheck and sectionctl accept is held against another oracle: the net as mcpn's
+templates draw it of that mission, and the controller as its runtime takes events. Both are followed in pairs
+with the unchanged ones, and must have the same events and say the same. Exit code 1 if they do not, or one
+program alone accepts it. 1,000 mutants take a minute.
 """
 
 from __future__ import annotations
@@ -26,12 +27,14 @@ sys.path.append(str(Path(__file__).resolve().parents[2]))
 from lxml import etree
 
 from experiments.faults import campaigns
-from experiments.faults.both_checkers import MOST, proved
+from experiments.faults.both_checkers import MOST, proved, written
 from experiments.faults.certificates import Truth, apart, change_net
 from mcpn.certificates import certcheck, ctlcheck, ctlforms
 from mcpn.certificates.core_entry import core_entry
 from mcpn.certificates.net_entry import net_entry
+from mcpn.certificates.sections import sectionctl
 from mcpn.controller.document import document
+from mcpn.controller.generate import Form
 from mcpn.errors import McpnError
 from mcpn.mission.xml import read_mission
 from mcpn.robot.runtime.file_schema import ControllerFileError, digest_of
@@ -82,6 +85,34 @@ DAY = """<mission xmlns="urn:mcpn:mission:1" name="day">
   </parallel>
   <objective name="set" activities="glow" success="succeed" failure="rise"/>
   <objective name="shelter" activities="glow"/>
+</mission>
+"""
+ROUND = """<mission xmlns="urn:mcpn:mission:1" name="round">
+  <robot name="cart">
+    <hardware name="wheels"/><hardware name="eye"/><hardware name="ear" repairable="false" shared="true"/>
+    <software name="map"/>
+    <event name="call"/>
+    <activity name="locate" produces="map">
+      <alternative name="by_eye" consumes="eye"/><alternative name="by_ear" consumes="ear"/>
+    </activity>
+    <activity name="drive" switch_back="true">
+      <alternative name="mapped" consumes="map wheels"/><alternative name="blind" consumes="wheels"/>
+    </activity>
+    <activity name="hear" consumes="ear"/>
+    <activity name="rest"><alternative name="on"/></activity>
+  </robot>
+  <on event="call" goto="home"/>
+  <objective name="first" activities="drive" success="second" failure="both" timeout="10"/>
+  <objective name="second" activities="drive" success="both" failure="home" timeout="10"/>
+  <parallel name="both" failure="home" success="again">
+    <objective name="see" activities="drive"/>
+    <objective name="wait" activities="hear" mandatory="false"/>
+  </parallel>
+  <parallel name="again" failure="home" success="home">
+    <objective name="look" activities="drive"/>
+    <objective name="listen" activities="hear" mandatory="false"/>
+  </parallel>
+  <objective name="home" activities="rest" success="succeed" failure="home"/>
 </mission>
 """
 LOOK = {"begin", "success", "failure", "abort", "objective", "pending", "done", "active", "wait", "want"}
@@ -190,13 +221,16 @@ def study_of(text: str) -> Study:
 @cache
 def originals() -> list[Original]:
     """The missions."""
-    found = list[Original]()
-    for text in (HOME, DAY):
-        study = study_of(text)
-        net = study.mission_net
-        forms = [plain(document(study.controller(form), net)) for form in ("hierarchical", "flat")]
-        found.append(Original(text, plain(net_entry(net)), plain(core_entry(net)), forms))
-    return found
+    return [original(text, ("hierarchical", "flat")) for text in (HOME, DAY)]
+
+
+@cache
+def original(text: str, forms: tuple[Form, ...]) -> Original:
+    """A mission with controllers of some forms."""
+    study = study_of(text)
+    net = study.mission_net
+    controllers = [plain(document(study.controller(form), net)) for form in forms]
+    return Original(text, plain(net_entry(net)), plain(core_entry(net)), controllers)
 
 
 def other_mission(text: str, draw: random.Random) -> str:
@@ -300,7 +334,12 @@ def of_walked(draw: random.Random, _: bool) -> tuple[str, bool, list[str]]:
         return how, False, []
     if in_net:
         return how, True, _unlike(original.net, net, {*ENDS, "objective", "active", "oos"})
-    (was, begin), (now, first) = as_runtime(controller), (None, None)
+    return _as_before(controller, changed, how)
+
+
+def _as_before(controller: Document, changed: Document, how: str) -> tuple[str, bool, list[str]]:
+    """What is wrong with a changed controller that is accepted."""
+    was, begin = as_runtime(controller)
     try:
         now, first = as_runtime(changed)
     except ControllerFileError:
@@ -308,7 +347,30 @@ def of_walked(draw: random.Random, _: bool) -> tuple[str, bool, list[str]]:
     return how, True, [] if alike(was, now, (begin, first)) else ["it does something else"]
 
 
-CAMPAIGNS = {"core": of_core, "controller": of_walked}
+def by_sections(core: Document, controller: Document) -> str:
+    """What sectionctl says of a controller beside a core mission."""
+    with written({"core": core}) as path, tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+        json.dump(controller, file)
+        file.flush()
+        try:
+            ((how, _, _),) = sectionctl.checked(path, file.name)
+        except (certcheck.Malformed, certcheck.Limit) as error:
+            return type(error).__name__.lower()
+    return how
+
+
+def of_sections(draw: random.Random, _: bool) -> tuple[str, bool, list[str]]:
+    """Changes a controller beside a mission of sections: as :func:`of_walked`, one type at a time."""
+    mission = original(ROUND, ("hierarchical", "modular"))
+    controller = draw.choice(mission.controllers)
+    changed = copy.deepcopy(controller)
+    how = f"controller: {change_controller(changed, draw)}"
+    if by_sections(mission.core, changed) != "proved":
+        return how, False, []
+    return _as_before(controller, changed, how)
+
+
+CAMPAIGNS = {"core": of_core, "controller": of_walked, "sections": of_sections}
 
 
 def campaign(of: str, mutants: int, seed: int, second: bool = False) -> tuple[Counter[str], list[str]]:

@@ -159,6 +159,37 @@ def same(what: str, net: set[str], controller: Set[str]) -> None:
     certcheck.need(net == controller, f"other {what}: {sorted(net ^ controller)}")
 
 
+def text_of(event: tuple[str, ...]) -> str:
+    """How the controller's document writes an event."""
+    what, element, *reason = event
+    text = "_".join([FORMS[what].format(element), *reason])
+    return f"{text}_EV" if what == "declared" and READS_OTHERWISE.fullmatch(text) else text
+
+
+def ended_by(event: tuple[str, ...]) -> str | None:
+    """The objective or block that an event ends; empty where it may end any, ``None`` of hardware."""
+    what, element, *_ = event
+    return None if what in ("out of service", "repaired", "detected") else element if what in ENDING else ""
+
+
+def followed(
+    controller: ctlforms.WalkedController,
+    state: ctlforms.ControllerState,
+    then: ctlforms.ControllerState,
+    actions: list[ctlforms.Action],
+    ended: str | None,
+) -> None:
+    """Lets the model of the robot take the actions of an event, in order."""
+    robot, at, last = RobotModel(controller, state), "", 0
+    for section, action in actions:
+        verb = ORDER.index(action["do"])
+        last, at = last if at == section else 0, section
+        certcheck.need(verb >= last, f"{action['do']} comes too late")
+        robot.take(controller.types[section], action)
+        last = verb
+    robot.led_to(then, ended)
+
+
 class PairedWalk:
     """Net and controller, walked together.
 
@@ -171,12 +202,8 @@ class PairedWalk:
         self.graph, self.controller, net = graph, controller, graph.net
         self.texts, self.ended = dict[int, str](), dict[str, str | None]()
         for t in net.events:
-            what, element, *reason = net.event[t]
-            text = self.texts[t] = "_".join([FORMS[what].format(element), *reason])
-            if what == "declared" and READS_OTHERWISE.fullmatch(text):
-                text = self.texts[t] = f"{text}_EV"
-            hardware = what in ("out of service", "repaired", "detected")
-            self.ended[text] = None if hardware else element if what in ENDING else ""
+            text = self.texts[t] = text_of(net.event[t])
+            self.ended[text] = ended_by(net.event[t])
         self.roles: dict[str, dict[str, int]] = {
             role: {of: places for (said, of), places in net.roles.items() if said == role}
             for role in (
@@ -223,27 +250,10 @@ class PairedWalk:
         same("events", set(after), moves.keys())
         for event, (then, actions) in moves.items():
             try:
-                self.followed(state, event, then, actions)
+                followed(self.controller, state, then, actions, self.ended[event])
             except certcheck.Refuted as error:
                 raise certcheck.Refuted(f"{event}: {error}") from None
             yield after[event], then
-
-    def followed(
-        self,
-        state: ctlforms.ControllerState,
-        event: str,
-        then: ctlforms.ControllerState,
-        actions: list[ctlforms.Action],
-    ) -> None:
-        """Lets the model of the robot take the actions of an event, in order."""
-        robot, at, last = RobotModel(self.controller, state), "", 0
-        for section, action in actions:
-            verb = ORDER.index(action["do"])
-            last, at = last if at == section else 0, section
-            certcheck.need(verb >= last, f"{action['do']} comes too late")
-            robot.take(self.controller.types[section], action)
-            last = verb
-        robot.led_to(then, self.ended[event])
 
 
 def walked(graph: certcheck.Listing, controller: ctlforms.WalkedController) -> tuple[int, int]:

@@ -83,6 +83,11 @@ class Certificate(NamedTuple):
     diagrams: dict[str, Any] | None = None
 
     @property
+    def listed(self) -> bool:
+        """Whether its checkers list the states of a net."""
+        return self.net is not None and self.diagrams is None
+
+    @property
     def said(self) -> dict[str, Any]:
         """By claim without evidence, why it is only trusted, for programs."""
         return {"certificate": {key: why for key, (_, why) in self.trusted.items()}}

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from types import ModuleType
 from typing import Literal
 
 import click
@@ -58,7 +59,7 @@ def _once() -> Callable[[str], None]:
     "--certificate",
     type=FILE,
     metavar="OUT",
-    help="Write the mission's net and claims to OUT, and have ctlcheck walk controller.json beside it.",
+    help="Write the mission's net and claims to OUT, and have a checker walk controller.json beside it.",
 )
 @question(workers=True, trees=False)
 def controller(
@@ -110,32 +111,43 @@ def controller(
         with question.work():
             written = certificate_of(study.verdicts(), question.max_states)
         write_atomically(certificate, written.to_bytes())
-        walked = _walked(certificate, output / "controller.json" if target == "json" else None)
+        walked = _walked(
+            certificate, output / "controller.json" if target == "json" else None, written.listed
+        )
     bytes_ = sum(len(text.encode()) for text in texts.values())
     if bytes_ > MANY_BYTES and found.form != "modular" and target in OF_RULES:
         mb = bytes_ / 1e6
         click.echo(f"note: {mb:,.0f} MB; --form modular has rules in place of tables, mostly less", err=True)
     paths = [str(output / name) for name in texts]
     if question.as_json:
-        said = {} if walked is None else {"walked": walked}
+        said = {} if walked is None else {"walked": walked.partition(": ")[2]}
         emit_json({"mission": found.mission, "form": found.form, "size": size, "files": paths, **said})
     else:
         click.echo(f"{found.form} controller of {found.mission}: {size}")
-        for path in (*paths, *([] if walked is None else [f"ctlcheck: {walked}"])):
+        for path in (*paths, *([] if walked is None else [walked])):
             click.echo(path)
-    if walked is not None and walked.startswith("refuted"):
+    if walked is not None and walked.partition(": ")[2].startswith("refuted"):
         sys.exit(EXIT_FAILED)
 
 
-def _walked(certificate: Path, controller: Path | None) -> str:
-    """What ctlcheck says of a controller beside a certificate, and how it is asked elsewhere."""
+def _walked(certificate: Path, controller: Path | None, listed: bool) -> str:
+    """What a checker says of a controller beside a certificate, and how it is asked elsewhere.
+
+    Args:
+        certificate: The certificate.
+        controller: The controller's document, if it is written.
+        listed: Whether the states of the certificate's net can be listed; else sections are walked by type.
+    """
     from mcpn.certificates import ctlcheck
+    from mcpn.certificates.sections import sectionctl
     from mcpn.certificates.verified import GAVE_UP, MOST, SECONDS, gave_up
 
+    program: ModuleType = ctlcheck if listed else sectionctl
+    name = program.__name__.rpartition(".")[2]
     if controller is None:
-        return "not checked: it walks controller.json, which --target json writes"
+        return f"{name}: not checked: it walks controller.json, which --target json writes"
     try:
-        ((how, _, why),) = ctlcheck.checked(str(certificate), str(controller), most=MOST, seconds=SECONDS)
+        ((how, _, why),) = program.checked(str(certificate), str(controller), most=MOST, seconds=SECONDS)
     except GAVE_UP as error:
         how, why = "not checked", gave_up(error)
-    return f"{how}: {why} (python -m mcpn.certificates.ctlcheck {certificate} {controller})"
+    return f"{name}: {how}: {why} (python -m {program.__name__} {certificate} {controller})"

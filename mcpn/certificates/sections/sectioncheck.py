@@ -184,6 +184,7 @@ class PlayedType:
     """All sections that differ in names alone, played from every status of their hardware.
 
     Attributes:
+        entries: By what is out of service as it is entered, the number of the state.
         stuck: Whether there is a state in which nothing happens.
         leads: Where the section leads, from whatever status.
         leads_steadily: Where it leads with the hardware as it is at first, if that stays so.
@@ -196,13 +197,11 @@ class PlayedType:
         self.first = frozenset(name for name, each in hardware.items() if each["out"])
         may_fail = [name for name, each in hardware.items() if each["faulty"] or each["out"]]
         sizes = range(len(may_fail) + 1)
-        self.states, self.number = list[CoreState](), dict[CoreState, int]()
+        self.states, self.number, self.entries = list[CoreState](), dict[CoreState, int](), dict[Names, int]()
         self.edges, self.exits = list[list[tuple[Event, int]]](), list[list[tuple[Event, str]]]()
         for out in map(frozenset, chain.from_iterable(combinations(may_fail, size) for size in sizes)):
             budget.within(0)
-            begun = self.met(self.entered(out))
-            if out == self.first:
-                self.begun = begun
+            self.entries[out] = self.met(self.entered(out))
         self.stuck = False
         for state in self.states:  # grows while it is walked
             budget.within(1)
@@ -211,6 +210,7 @@ class PlayedType:
         for number, edges in enumerate(self.edges):
             for _, target in edges:
                 self.before[target].append(number)
+        self.events = sorted({each[0] for some in (self.edges, self.exits) for row in some for each in row})
         self.leads = {target for exits in self.exits for _, target in exits}
         self.leads_steadily = self.steadily()
         self.led = dict[frozenset[str], bool]()
@@ -254,7 +254,8 @@ class PlayedType:
     def steadily(self) -> set[str]:
         """Where it leads while no status changes, from that at first."""
         met = certcheck.grown(
-            [self.begun], lambda n: (target for event, target in self.edges[n] if event[0] not in STATUS)
+            [self.entries[self.first]],
+            lambda n: (target for event, target in self.edges[n] if event[0] not in STATUS),
         )
         return {target for n in met for event, target in self.exits[n] if event[0] not in STATUS}
 
@@ -298,8 +299,10 @@ class PlayedSections:
         certcheck.need(
             fine, "sections are not apart: facts, late losses, or what happens once", certcheck.Limit
         )
+        self.robot, self.sections = robot, {each["name"]: each for each in sections}
         self.entry, self.types = core["graph"]["entry"], dict[str, PlayedType]()
         self.type, self.targets = dict[str, PlayedType](), dict[str, dict[str, str]]()
+        self.names = dict[str, dict[tuple[str, str], str]]()
         for section in sections:
             budget.within(0)
             one = Renamed(section, robot, software)
@@ -307,6 +310,7 @@ class PlayedSections:
             if key not in self.types:
                 self.types[key] = PlayedType(one, budget)
             self.type[section["name"]], self.targets[section["name"]] = self.types[key], one.targets
+            self.names[section["name"]] = one.names
         self.reached = certcheck.grown(
             [self.entry], lambda name: self.led(name, self.type[name].leads), self.type
         )

@@ -30,7 +30,7 @@ CONTROLLER = Document(
             ),
             "size": String("A sentence."),
             "files": texts("The files written."),
-            "walked?": String("With --certificate what ctlcheck says of controller.json."),
+            "walked?": String("With --certificate what ctlcheck, or sectionctl, says of controller.json."),
         },
     ),
 )
