@@ -14,6 +14,7 @@ itself (``xml:``, ``xsi:``) are without meaning everywhere.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
 from typing import NamedTuple, NoReturn
 
 from lxml import etree
@@ -49,9 +50,11 @@ class ElementRule(NamedTuple):
     inside: Mapping[str, frozenset[str]]
     ignored: frozenset[str]
     text: bool
+    valued: bool
+    """Whether some element in it may say no more than some values."""
 
 
-_NOTHING = ElementRule({}, {}, frozenset(), text=True)
+_NOTHING = ElementRule({}, {}, frozenset(), text=True, valued=False)
 
 
 class ElementTable:
@@ -81,13 +84,14 @@ class ElementTable:
         Raises:
             InputError: What is in no row, with its line.
         """
-        tag, parent, before = name_of(element), element.getparent(), element.getprevious()
+        space, tag = _parted(element.tag)
+        parent, before = element.getparent(), element.getprevious()
         if around is not None and parent is not None and not around.text:
             _no_text(file, parent, parent.text if before is None else before.tail)
         if parent is None or around is None:
             if tag != self.root:
                 refuse(file, element, f"found <{tag}>, expected <{self.root}>")
-        elif tag not in around.inside or _space(element) != _space(parent):
+        elif tag not in around.inside or space != _space(parent):
             found = f"<{tag}>" if _space(element) == _space(parent) else f"<{tag}> of {_shown(element)}"
             known = [f"<{name}>" for name in around.inside if name not in around.ignored]
             said = f"found {found} in {_described(parent)}, expected {_listed(known)}"
@@ -122,7 +126,7 @@ class ElementTable:
         """
         if not rule.text:
             _no_text(file, element, element[-1].tail if len(element) else element.text)
-        for child in element:
+        for child in element if rule.valued else ():
             values = rule.inside.get(name_of(child))
             if values and (value := text_of(child)) not in values:
                 allowed = " or ".join(sorted(map(repr, values)))
@@ -153,7 +157,7 @@ class ElementTable:
 def _rule(row: Declared) -> ElementRule:
     attributes, inside = dict(_words(row.attributes)), dict(_words(row.inside))
     ignored = [*_ignored(row.inside), *(f"@{name}" for name in _ignored(row.attributes))]
-    return ElementRule(attributes, inside, frozenset(ignored), row.text)
+    return ElementRule(attributes, inside, frozenset(ignored), row.text, any(inside.values()))
 
 
 def _words(row: str) -> Iterator[tuple[str, frozenset[str]]]:
@@ -185,9 +189,16 @@ def _no_text(file: str, element: etree._Element, text: str | None) -> None:
         refuse(file, element, f"{found}, expected elements alone")
 
 
+@lru_cache(maxsize=1024)  # a document has few tags, and asks for each again and again
+def _parted(tag: str) -> tuple[str, str]:
+    """The namespace of a tag, and its name."""
+    space, _, name = tag.rpartition("}")
+    return space, name
+
+
 def name_of(element: etree._Element) -> str:
     """The name of an element without its namespace."""
-    return str(element.tag).rpartition("}")[2]
+    return _parted(element.tag)[1]
 
 
 def text_of(element: etree._Element) -> str:
@@ -196,7 +207,7 @@ def text_of(element: etree._Element) -> str:
 
 
 def _space(element: etree._Element) -> str:
-    return str(element.tag).rpartition("}")[0]
+    return _parted(element.tag)[0]
 
 
 def _shown(element: etree._Element) -> str:

@@ -75,9 +75,14 @@ def stream_xml(
     Raises:
         InputError: As :func:`parse_xml`, when the place is reached.
     """
+    data = read_bounded(path, limit)
+    events = _events(path, data, None, far)
+    if not _is_long(data):
+        yield from events  # libxml2 knows all lines
+        return
     kept: list[etree._Element] = []  # whose lines may be asked: elements in the tree
     begun: list[int] = []  # where in that list the open ones stand
-    for event, element in _events(path, read_bounded(path, limit), None, far):
+    for event, element in events:
         if event == "start":
             begun.append(len(kept))
             kept.append(element)
@@ -160,7 +165,7 @@ def _events(
                 if line is not None and isinstance(element, _Numbered):
                     element.line = line
                 _refuse_crowded(path, element)
-            yield str(event), element
+            yield event, element
 
 
 def _is_long(data: bytes) -> bool:

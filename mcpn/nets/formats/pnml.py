@@ -109,6 +109,8 @@ REMARKS = {
 """What ``toolspecific`` of ``mcpn`` may hold; the first remark of a name counts."""
 _REMARKS = ElementTable(REMARKS, "toolspecific")
 _TABLE = ElementTable(KNOWN, "pnml")
+_Inside = list[tuple[str, etree._Element]]
+"""What stands in an element, with its names."""
 _Sides = tuple[dict[str, int], dict[str, int], dict[str, int]]
 
 
@@ -223,13 +225,15 @@ class _PnmlReader:
         if key in self.ids:
             self.fail(line, f"found a second element of the id {key}, expected ids that differ")
         self.ids.add(key)
-        remarks, said = self.remarks(element), self.said(element, "name")
+        inside = [(name_of(child), child) for child in element]
+        remarks = self.remarks(child for name, child in inside if name == "toolspecific")
+        said = self.said(element, inside, "name")
         name = remarks.get("name", key)
         label = None if said == name else said or None
         if tag == "arc":
-            self.arcs.append(self.arc(element, key, said, half="read" in remarks))
+            self.arcs.append(self.arc(element, inside, key, said, half="read" in remarks))
         elif tag == "place":
-            initial = self.number(element, "initialMarking", 0)
+            initial = self.number(element, inside, "initialMarking", 0)
             self.places[key] = _Place(name, label, initial, line)
         elif tag == "transition":
             event, rank = remarks.get("event"), remarks.get("rank")
@@ -237,16 +241,20 @@ class _PnmlReader:
         else:
             self.references[key] = _Reference(tag, element.get("ref", ""), line)
 
-    def arc(self, element: etree._Element, key: str, said: str | None, *, half: bool) -> _Arc:
+    def arc(
+        self, element: etree._Element, inside: _Inside, key: str, said: str | None, *, half: bool
+    ) -> _Arc:
         line = line_of(element)
-        weight = self.number(element, "inscription", self.number(element, "weight", 1))
+        weight = self.number(element, inside, "weight", 1)
+        if any(name == "inscription" for name, _ in inside):  # TAPAAL's attribute is an interval of time
+            weight = self.number(element, inside, "inscription", weight)
         if weight == 0:
             self.fail(line, f"found weight 0 of arc {key}, expected 1 or more")
         if said and read_count(said) not in (None, weight):  # tools have written the weight as the name
             self.fail(
                 line, f"found the name {said} of arc {key} and its weight {weight}, expected one number"
             )
-        kinds = [child for child in element if name_of(child) in ("type", "arctype")]
+        kinds = [child for name, child in inside if name in ("type", "arctype")]
         found = [element.get("type"), *(child.get("value", text_of(child)) for child in kinds)]
         kind = "normal"
         for one in found:
@@ -258,9 +266,9 @@ class _PnmlReader:
                 kind = KINDS[one.strip().lower()]
         return _Arc(key, element.get("source", ""), element.get("target", ""), weight, kind, half, line)
 
-    def said(self, element: etree._Element, tag: str) -> str | None:
+    def said(self, element: etree._Element, inside: _Inside, tag: str) -> str | None:
         """What an element says by a label or by an attribute; ``None`` where it says nothing."""
-        labels = [child for child in element if name_of(child) == tag]
+        labels = [child for name, child in inside if name == tag]
         attribute = element.get(tag)
         if len(labels) > 1 or (labels and attribute is not None and tag != "name"):
             refuse(self.file, labels[-1], f"found a second {tag}, expected one")
@@ -271,17 +279,15 @@ class _PnmlReader:
             refuse(self.file, labels[0], f"found {len(parts)} texts of {tag}, expected one")
         return (parts[0].text or "").strip() if parts else ""
 
-    def number(self, element: etree._Element, tag: str, missing: int) -> int:
+    def number(self, element: etree._Element, inside: _Inside, tag: str, missing: int) -> int:
         """The number that an element says by a label or by an attribute."""
-        if tag == "inscription" and not any(name_of(child) == tag for child in element):
-            return missing  # TAPAAL's attribute of this name is an interval of time
-        text = self.said(element, tag)
+        text = self.said(element, inside, tag)
         if text is None:
             return missing
         number = read_count(text.removeprefix("Default,").strip())  # PIPE says the class of tokens, too
         if number is None:
             found = quoted(text, 40) if text else "an empty text"
-            label = next((child for child in element if name_of(child) == tag), element)
+            label = next((child for name, child in inside if name == tag), element)
             said = f"found {found} as {tag}, expected a number of at most {MAX_DIGITS} digits"
             refuse(self.file, label, said)
         return number

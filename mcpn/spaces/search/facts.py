@@ -26,7 +26,7 @@ from mcpn.spaces.search.goal import AtMost, Fires, Formula, Goal, as_goal, asks_
 from mcpn.spaces.search.growth import Growth, growing
 from mcpn.spaces.search.home import Home, proving_home
 from mcpn.spaces.search.portfolio import FIRINGS, MOST_COUNTED
-from mcpn.spaces.search.searches import Searches
+from mcpn.spaces.search.searches import Search, Searches
 from mcpn.turns import Pausing
 
 STEPS = 20_000
@@ -113,14 +113,26 @@ class Facts:
             waiting, left = left, []
             for each in waiting:
                 places, bound, found, goal = each
-                if self._planned(goal, effort):
-                    yield places, bound, (*_proved(found.traps), HEURISTIC)
-                elif effort == 1 and self._counted(goal, found.counts):
+                if self._counted(goal, found.counts, effort):
                     yield places, bound, (*_proved(found.traps), RANDOM_WALK)
+                elif self._planned(goal, effort) or (yield from self._raised(places, bound, effort)):
+                    yield places, bound, (*_proved(found.traps), HEURISTIC)
                 else:
                     left.append(each)
                 yield None
             yield from grows
+
+    def _raised(self, places: tuple[int, ...], bound: int, effort: int) -> Pausing[bool]:
+        """Whether a sum comes to a bound by searches that each begin where the last one ended, one more."""
+        marking, weights = list(self.net.initial), Counter(places)
+        while (held := sum(marking[place] * times for place, times in weights.items())) < bound:
+            found = self._planning(exceeding(places, held), effort, marking)
+            if found.outcome != "reached":
+                return False
+            for t in found.run:
+                self.net.fire_in_place(marking, t)
+            yield
+        return True
 
     def _growing(
         self, asked: Iterable[tuple[int, ...]]
@@ -352,21 +364,23 @@ class Facts:
                 before = len(met)
         return met
 
-    def _counted(self, goal: Goal, counts: Sequence[int]) -> bool:
+    def _counted(self, goal: Goal, counts: Sequence[int], effort: int = 0) -> bool:
         """Whether a walk by proposed numbers of firings meets a goal."""
         firings = sum(counts)
         if not self.searches.fits or FIRINGS * firings > MOST_COUNTED:
             return False
-        return bool(self.searches.met([goal], steps=STEPS + FIRINGS * firings, counts=counts))
+        steps = min((STEPS + FIRINGS * firings) << 2 * effort, max(MOST_COUNTED, STEPS))
+        return bool(self.searches.met([goal], steps=steps, seed=effort, counts=counts))
 
     def _planned(self, goal: Goal, effort: int) -> bool:
         """Whether a greedy search comes to a goal; what fires on its way is known to fire."""
-        if not self.searches.fits:
-            return False
-        most = PLANNED[effort] // (len(self.net.transitions) + 1)
-        found = self.searches.plan(goal, max_states=max(most, FEWEST_PLANNED), seed=effort)
+        return self.searches.fits and self._planning(goal, effort).outcome == "reached"
+
+    def _planning(self, goal: Goal, effort: int, start: Sequence[int] | None = None) -> Search:
+        most = max(PLANNED[effort] // (len(self.net.transitions) + 1), FEWEST_PLANNED)
+        found = self.searches.plan(goal, max_states=most, seed=effort, start=start)
         self.fires.update(found.run)
-        return found.outcome == "reached"
+        return found
 
 
 def exceeding(places: Sequence[int], bound: int) -> Goal:

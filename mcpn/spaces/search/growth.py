@@ -27,6 +27,8 @@ TRIES, DEARER = 4, 20.0
 LONGEST = 10_000
 """Firings of a run that is repeated, at most."""
 ROUNDING = 1e-6
+ORDERS = 5_000
+"""Firings that are tried for an order that needs few tokens."""
 
 
 class Growth(NamedTuple):
@@ -61,7 +63,7 @@ def growing(
         yield
         if not counts:
             return None
-        cycle = _ordered(net, counts)
+        cycle = _circling(net, counts) or _ordered(net, counts)
         goal: Goal = And(*(marked(p, tokens=n) for p, n in descent_of(net, cycle).needs.items()))
         if holds(goal, net, net.initial):
             return Growth((), cycle)
@@ -96,6 +98,37 @@ def _repeatable(
         if adds > 0 and min(total.values()) >= 0 and sum(counts.values()) <= LONGEST:
             return counts
     return {}
+
+
+def _circling(net: PetriNet, counts: Mapping[int, int]) -> Run:
+    """An order of firings that needs what its first one does, and no more; empty where none is found soon."""
+    looks = ORDERS
+    for first in counts:
+        # What is fired and, by each firing, what is left to try in its place.
+        marking = [0] * len(net.places)
+        for place, weight in needs(net, first).items():
+            marking[place] = weight
+        left, run, choices = dict(counts), list[int](), [[first]]
+        seen: set[tuple[int, ...]] = set()
+        while choices and looks > 0:
+            looks -= 1
+            if not choices[-1]:
+                choices.pop()
+                if run:
+                    net.undo_in_place(marking, run[-1])
+                    left[run.pop()] += 1
+                continue
+            t = choices[-1].pop()
+            net.fire_in_place(marking, t)
+            left[t] -= 1
+            run.append(t)
+            if not any(left.values()):
+                return tuple(run)
+            key = tuple(left.values())
+            fits = [] if key in seen else [u for u, n in left.items() if n and net.covers(marking, u)]
+            seen.add(key)
+            choices.append(fits)
+    return ()
 
 
 def _ordered(net: PetriNet, counts: Mapping[int, int]) -> Run:

@@ -103,3 +103,19 @@ def test_what_fires_on_the_way_to_one_transition_is_asked_no_more() -> None:
     assert facts._planned(marked(7), 0)
     assert facts.fires == {0, 1, 2, 3, 4, 5, 6}
     assert finished(facts.quasi_live())[0] is True
+
+
+def test_a_sum_is_raised_token_by_token() -> None:
+    net = kanban(40)
+    facts = Facts(net)
+    assert finished(facts._raised((1,), 40, 0))
+    assert not finished(facts._raised((1,), 41, 0))
+    assert facts.fires
+
+
+def test_proposed_firings_are_walked_longer_with_more_effort(monkeypatch: pytest.MonkeyPatch) -> None:
+    facts, steps = Facts(kanban(2)), list[int]()
+    monkeypatch.setattr(facts.searches, "met", lambda goals, **asked: steps.append(asked["steps"]))
+    for effort in range(3):
+        facts._counted(marked(1), [1] * 16, effort)
+    assert steps[0] < steps[1] < steps[2]

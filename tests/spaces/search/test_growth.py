@@ -87,3 +87,32 @@ def test_bounds_are_those_of_all_markings(net: PetriNet) -> None:
     asked = [Property(str(place), (place,), Source("drawn")) for place in every]
     for verdict in answer_all(Questions(net), asked):
         assert verdict.value == str(max(marking[int(verdict.name)] for marking in markings))
+
+
+def doubling(stages: int) -> PetriNet:
+    """One token says what may fire: it makes two of one ``x`` and then each of them an ``x`` again."""
+    builder = NetBuilder("doubling")
+    builder.place("go0", initial=1)
+    for i in range(stages):
+        for place in ("go", "x", "y", "up", "made", "down", "back"):
+            if place != "go" or i + 1 < stages:
+                builder.place(f"{place}{i + 1 if place == 'go' else i}")
+        builder.transition(f"begin{i}", consume=[f"go{i}"], produce=[f"up{i}", f"x{i}"])
+        builder.transition(f"double{i}", consume=[f"up{i}", f"x{i}"], produce=[f"made{i}", f"y{i}", f"y{i}"])
+        builder.transition(f"turn{i}", consume=[f"made{i}"], produce=[f"down{i}"])
+        builder.transition(f"return{i}", consume=[f"down{i}", f"y{i}"], produce=[f"back{i}", f"x{i}"])
+        builder.transition(f"loop{i}", consume=[f"back{i}"], produce=[f"down{i}"])
+        builder.transition(f"flip{i}", consume=[f"back{i}"], produce=[f"up{i}"])
+        if i + 1 < stages:
+            builder.transition(f"next{i}", consume=[f"down{i}", f"x{i}"], produce=[f"go{i + 1}"])
+    return builder.build()
+
+
+@pytest.mark.parametrize("stage", [0, 3])
+def test_what_repeats_is_put_in_an_order_that_one_token_allows(stage: int) -> None:
+    net = doubling(4)
+    place = net.place_index[f"x{stage}"]
+    growth = finished(growing(Searches(net), {place: 1}))
+    assert growth is not None
+    assert_grows(net, growth, (place,))
+    assert len(growth.cycle) == 6  # double, turn, return, loop, return, flip
