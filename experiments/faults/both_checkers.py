@@ -15,6 +15,7 @@ from types import ModuleType
 from typing import Any
 
 from mcpn.certificates import certcheck, corecheck, diagcheck, furthercheck
+from mcpn.certificates.sections import sectioncheck
 
 SOURCES = Path(__file__).resolve().parents[2] / "tests" / "certificates"
 PROGRAMS: dict[str, tuple[ModuleType, str]] = {
@@ -22,6 +23,7 @@ PROGRAMS: dict[str, tuple[ModuleType, str]] = {
     "core": (corecheck, "core_checker"),
     "diagrams": (diagcheck, "diagram_checker"),
     "further": (furthercheck, "further_checker"),
+    "sections": (sectioncheck, "section_checker"),
 }
 """By entry the program in Python that reads it, and the one in C++."""
 NOTHING = {"format": "mcpn-certificate", "version": 1, "mission": "m", "claims": [], "trusted": []}

@@ -169,7 +169,7 @@ std::uint32_t crc32(const std::string& data) {
   return ~crc;
 }
 
-std::map<std::string, std::string> unzipped(const std::string& path) {
+std::map<std::string, std::string> unzipped(const std::string& path, const std::set<std::string>& needed = {"net.json", "claims.json"}) {
   std::ifstream file(path, std::ios::binary);
   require(bool(file), "a file that cannot be read");
   const std::string bytes((std::istreambuf_iterator<char>(file)), {});
@@ -182,7 +182,7 @@ std::map<std::string, std::string> unzipped(const std::string& path) {
   const std::size_t end = bytes.rfind("PK\5\6");
   require(end != std::string::npos, "no zip");
   const std::size_t entries = number(end + 10, 2);
-  require(entries >= 2 && entries <= 5, "a zip with other than two to five entries");
+  require(entries >= 2 && entries <= 6, "a zip with other than two to six entries");
   std::map<std::string, std::string> found;
   std::size_t at = number(end + 16, 4), unpacked = 0;
   for (std::size_t i = 0; i < entries; ++i) {
@@ -208,7 +208,7 @@ std::map<std::string, std::string> unzipped(const std::string& path) {
     require(found.emplace(name, whole).second, "an entry twice");
     at += 46 + name_size + number(at + 30, 2) + number(at + 32, 2);
   }
-  require(found.count("net.json") && found.count("claims.json"), "no net.json, or no claims.json");
+  for (const std::string& each : needed) require(found.count(each) > 0, "no " + each);
   return found;
 }
 

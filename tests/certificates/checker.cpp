@@ -459,7 +459,7 @@ int checked(const std::string& path, const Clock& clock) {
   if (states)  // else no claim is looked into
     for (const Json& each : claims.at("claims").items)
       Claims(net, *states, clock).shape(each.at("kind").string, each.at("holds").truth, each.at("statement"), each.at("evidence"));
-  bool refuted = false, open = false;
+  bool refuted = false, open = claims.at("claims").items.empty();
   for (const Json& each : claims.at("claims").items) {
     const std::string& kind = each.at("kind").string;
     std::string verdict = "not checked";

@@ -644,7 +644,7 @@ int checked(const std::string& path, const Clock& clock) {
     text(each.at("sentence"));
   }
   std::string why;
-  bool refuted = false, open = false;
+  bool refuted = false, open = entry.at("claims").items.empty();
   std::unique_ptr<Claims> claims;
   Families families(clock.most, clock);
   Diagrams given;

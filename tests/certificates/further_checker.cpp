@@ -547,7 +547,7 @@ int checked(const std::string& path, const Clock& clock) {
       require(kinds.count(each.at("kind").string) > 0, "a kind that is not known: " + each.at("kind").string);
       if (each.at("holds").truth) shape(each);
     }
-  bool refuted = false, open = false;
+  bool refuted = false, open = further.at("claims").items.empty();
   for (const Json& each : further.at("claims").items) {
     std::string verdict = "not checked";
     if (states) {

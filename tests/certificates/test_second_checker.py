@@ -100,7 +100,7 @@ def of_the_other(checker: Path, path: Path) -> Claims | str:
         how = next(how for how in ("proved", "refuted", "not checked") if line.startswith(f"{how} "))
         found.append((how, line.removeprefix(f"{how} ")))
     kinds = {how for how, _ in found}
-    assert run.returncode == (1 if "refuted" in kinds else 2 if "not checked" in kinds else 0), run.stderr
+    assert run.returncode == (1 if "refuted" in kinds else 0 if kinds == {"proved"} else 2), run.stderr
     return [each for each in found if each not in UNREAD]
 
 
@@ -173,6 +173,18 @@ def test_both_prove_each_claim_on_worked_missions(checker: Path, ulysse: Mission
         found = of_the_other(checker, path)
         assert found == of_certcheck(path)
         assert {each[0] for each in found} == {"proved"}
+
+
+def test_neither_says_that_all_is_proved_where_nothing_is_claimed(
+    checker: Path, certificates: list[Path], tmp_path: Path
+) -> None:
+    entries = entries_of(certificates[0].read_bytes())
+    path = tmp_path / "empty"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("net.json", json.dumps(entries["net.json"]))
+        archive.writestr("claims.json", json.dumps({**entries["claims.json"], "claims": []}))
+    assert subprocess.run([checker, path], check=False, timeout=60).returncode == 2
+    assert certcheck.main([str(path)]) == 2
 
 
 FEW_MUTANTS = 1000

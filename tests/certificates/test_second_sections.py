@@ -1,0 +1,198 @@
+"""Another checker of claims by sections, in C++, written from the page alone, says what sectioncheck says."""
+
+from __future__ import annotations
+
+import copy
+import json
+import random
+import re
+import subprocess
+import zipfile
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import event, given
+
+from mcpn.certificates import certcheck
+from mcpn.certificates.core_entry import core_entry
+from mcpn.certificates.sections import sectioncheck
+from mcpn.drawing.compose import compose
+from mcpn.errors import McpnError
+from mcpn.mission.model import Mission
+from mcpn.mission.xml import read_mission
+from mcpn.testing import elements, missions
+from tests.certificates.test_second_checker import changed, compiled, of_the_other, paths_in
+from tests.certificates.test_sectioncheck import claim, core_of, mutated
+from tests.conftest import ULYSSE
+from tests.draws import campaign, composed, fewer
+from tests.shares import returns_early
+
+ALL = [claim(kind, holds) for kind in sorted(sectioncheck.KINDS) for holds in (True, False)]
+"""Each claim that sections may prove, and its contrary."""
+DOCUMENT = {"format": "mcpn-certificate", "version": 1, "mission": "row", "claims": ALL, "trusted": []}
+MOST = 4_000
+DRAWN = (
+    missions(max_hardware=3, max_objectives=2, max_sections=5)
+    | missions(max_hardware=2, max_objectives=3, max_sections=4, events=2, timeouts=1)
+    | missions(max_hardware=2, max_objectives=2, max_sections=4, early=1)
+    | elements.INTERRUPTED
+    | elements.PAUSING
+    | elements.CRASHING
+    | elements.COMMON_CAUSES
+    | elements.IN_TIME
+)
+Report = list[tuple[str, str]]
+
+
+@pytest.fixture(scope="module")
+def checker(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The program."""
+    return compiled("section_checker", tmp_path_factory)
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where certificates are written, one after the other."""
+    return tmp_path_factory.mktemp("certificate") / "certificate"
+
+
+def of_both(
+    checker: Path, file: Path, core: Any, document: Any = DOCUMENT
+) -> tuple[Report | str, Report | str]:
+    """What sectioncheck and the program say of claims on a core mission."""
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("core.json", json.dumps(core))
+        archive.writestr("sections.json", json.dumps(document))
+    try:
+        first: Report | str = [(how, key) for how, key, _ in sectioncheck.checked(str(file), most=MOST)]
+    except certcheck.Malformed:
+        first = "malformed"
+    except certcheck.Limit as limit:
+        if "states" in str(limit):
+            return "large", "large"
+        first = [("not checked", each["key"]) for each in document["claims"]]
+    return first, of_the_other(checker, file)
+
+
+def kinds_of(report: Report | str) -> set[str]:
+    return {report} if isinstance(report, str) else {how for how, _ in report}
+
+
+def test_both_prove_the_same_of_a_row_of_sites(checker: Path, file: Path) -> None:
+    expected, found = of_both(checker, file, core_of(60))
+    assert found == expected
+    assert {each[1] for each in found if each[0] == "proved"} == {
+        "can_always_end True",
+        "can_always_end_safely True",
+        "can_always_go_on True",
+        "can_be_aborted False",
+        "can_fail False",
+        "can_succeed True",
+    }
+    # A site in the row, the last one and "home". With wheels and a receiver, of three kinds, a site drives or
+    # has been refused; with both receivers it drives by either. In five other kinds of status it is refused.
+    assert counted(checker, file) == [61, 3, 2 * (2 * 3 + 1 + 5) + 1]
+
+
+def counted(checker: Path, file: Path) -> list[int]:
+    """How many sections, types and states the program counts."""
+    run = subprocess.run([checker, file], check=False, capture_output=True, text=True, timeout=60)
+    return [int(each) for each in re.findall(r"\d+", run.stderr)]
+
+
+WORKED = Path(__file__).parents[2] / "experiments"
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        ULYSSE,
+        *(
+            pytest.param(each, marks=pytest.mark.slow, id=f"{each.parent.parent.name}-{each.parent.name}")
+            for each in sorted(WORKED.glob("*/mission.xml")) + sorted(WORKED.glob("natural/*/mission.xml"))
+        ),
+    ],
+)
+def test_both_say_the_same_of_a_mission(checker: Path, file: Path, path: Path) -> None:
+    core = json.loads(json.dumps(core_entry(compose(read_mission(path)))))
+    expected, found = of_both(checker, file, core)
+    assert found == expected
+
+
+@pytest.mark.may_leave(0.8)
+@fewer(0.2)
+@given(mission=DRAWN)
+def test_both_say_the_same_of_drawn_missions(checker: Path, file: Path, mission: Mission) -> None:
+    try:
+        expected, found = of_both(checker, file, core_entry(composed(mission)))
+    except McpnError as error:
+        returns_early(type(error).__name__)
+        return
+    assert found == expected
+    event("".join(sorted(kinds_of(found))))
+
+
+@pytest.mark.slow
+def test_both_say_the_same_of_many_drawn_missions(checker: Path, file: Path) -> None:
+    """Where claims are proved they also keep as many states of as many types."""
+
+    def judge(mission: Mission) -> str:
+        try:
+            core = json.loads(json.dumps(core_entry(composed(mission))))
+        except McpnError as error:
+            return type(error).__name__
+        expected, found = of_both(checker, file, core)
+        assert found == expected
+        if "proved" in kinds_of(found):
+            sections = sectioncheck.PlayedSections(core, sectioncheck.Budget(MOST, float("inf")))
+            states = sum(len(each.states) for each in sections.types.values())
+            assert counted(checker, file) == [len(sections.type), len(sections.types), states]
+        return " ".join(sorted(kinds_of(found)))
+
+    found = campaign(DRAWN, judge, 500)
+    assert found["proved refuted"] > found["drawn"] // 4
+
+
+@pytest.mark.parametrize("count", [12, pytest.param(2000, marks=pytest.mark.slow)])
+def test_both_say_the_same_of_changed_missions(
+    checker: Path, file: Path, fresh_seed: int, count: int
+) -> None:
+    kinds = Counter[str]()
+    for number in range(count):
+        drawn = random.Random(f"{fresh_seed} {number}")
+        original = core_of(drawn.randint(1, 4), drawn.choice(["home", "abort", "succeed", "site0"]))
+        core, document = mutated(original, drawn.randrange(10_000)), copy.deepcopy(DOCUMENT)
+        if drawn.random() < 0.5:
+            core, part = copy.deepcopy(original), drawn.choice(["core", "sections"])
+            holder: Any = core if part == "core" else document
+            *way, last = drawn.choice(list(paths_in(holder)))
+            for key in way:
+                holder = holder[key]
+            holder[last] = changed(holder[last], drawn, core)
+        expected, found = of_both(checker, file, core, document)
+        assert found == expected, f"mutant {number} of --seed {fresh_seed}"
+        kinds.update(kinds_of(found))
+    assert {"malformed", "proved", "refuted"} & kinds.keys()
+
+
+APART: dict[str, Callable[[Any], object]] = {
+    "a fact": lambda core: core["robot"]["facts"].append({"name": "day", "initial": "yes"}),
+    "an event of the robot": lambda core: core["robot"]["events"].append({"name": "dusk", "changes": []}),
+    "a late loss": lambda core: core["robot"]["hardware"][0].update(late=True),
+    "a handler that happens once": lambda core: core["graph"]["sections"][1]["handlers"][0].update(once="o"),
+    "a section that facts leave": lambda core: core["graph"]["sections"][0]["left"].append(
+        {"when": [], "to": [{"when": [], "to": "succeed"}]}
+    ),
+}
+
+
+@pytest.mark.parametrize("why", APART)
+def test_neither_checks_sections_that_share_more_than_hardware(checker: Path, file: Path, why: str) -> None:
+    core = copy.deepcopy(core_of(3))
+    APART[why](core)
+    expected, found = of_both(checker, file, core)
+    assert found == expected
+    assert kinds_of(found) == {"not checked"}
