@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 
 from hypothesis import strategies as st
 
+from mcpn.drawing.compose import compose
+from mcpn.errors import InputError
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Each, Mission, Parallel, Recursive
 from mcpn.testing.judge.blocks import TIMED_OUT, WrittenBlock, objectives
 from mcpn.testing.judge.interpreter import REPAIRED, START, SUCCESS, Interpreter, State
@@ -78,6 +80,27 @@ def said(draw: st.DrawFn, missions: st.SearchStrategy[Mission]) -> Mission:
     if not draw(st.booleans()):
         return of
     return replace(of, blocks=tuple(map(block, of.blocks)))
+
+
+@st.composite
+def cut_short(draw: st.DrawFn, missions: st.SearchStrategy[Mission]) -> Mission:
+    """Missions of which some blocks end what is around them by their success: nothing leads to the next."""
+    of = draw(missions)
+
+    def block(each: Block) -> Block:
+        if draw(st.integers(0, 3)) == 0:
+            each = replace(each, success=draw(st.sampled_from((SUCCEED, FAIL))))
+        if isinstance(each, Recursive | Parallel | Each):
+            return replace(each, blocks=tuple(map(block, each.blocks)))
+        return each
+
+    protocols = tuple(replace(each, blocks=tuple(map(block, each.blocks))) for each in of.protocols)
+    cut = replace(of, blocks=tuple(map(block, of.blocks)), protocols=protocols)
+    try:
+        compose(cut)
+    except InputError:
+        return of
+    return cut
 
 
 def says(leaf: WrittenBlock, nominal: str) -> bool:

@@ -18,7 +18,7 @@ from mcpn.spaces.engine_names import Engine
 from mcpn.testing import elements as drawn
 from mcpn.testing.judge.interpreter import Undetermined
 from tests.draws import fewer
-from tests.judge.nominal import WhileNothingFails, played, said
+from tests.judge.nominal import WhileNothingFails, cut_short, played, said
 from tests.small import activity, mission, robot
 
 ENGINES: tuple[Engine, ...] = ("explicit", "symbolic", "local")
@@ -82,6 +82,12 @@ def test_missions_with_blocks_that_are_stopped_as_a_whole(of: Mission) -> None:
     event(judged(of))
 
 
+@fewer(0.5)
+@given(said(cut_short(st.one_of(*WHOLES, drawn.NAMED, drawn.MIXED_APART, drawn.PAUSING, drawn.EARLY))))
+def test_missions_of_which_some_routes_end_all_around_them(of: Mission) -> None:
+    event(judged(of))
+
+
 def one(name: str, **others: Any) -> Objective:
     return Objective(name=name, activities=("do",), **others)
 
@@ -101,6 +107,17 @@ MEANT: dict[str, tuple[Mission, str]] = {
     ),
     "an end of success that is an abort": (of(one("dig", success="abort")), "dead end"),
     "a block that no route leads to": (of(one("a", success="succeed"), one("b")), "left out"),
+    "a block that no route leads to, and in it what no route in it leads to": (
+        of(
+            one("a", success="succeed"),
+            Recursive(
+                name="rows",
+                timeout=9.0,
+                blocks=(one("first", success="fail", failure="first"), one("then", failure="abort")),
+            ),
+        ),
+        "left out",
+    ),
     "left out on purpose": (of(one("a", success="succeed"), one("b", nominal="optional")), "succeeds"),
     "a block with a time, which is left by a failure that is meant": (
         of(

@@ -17,8 +17,8 @@ from typing import Generic, NamedTuple
 from mcpn.answers.verdicts.unreachable import objectives_run
 from mcpn.drawing.compose import MissionNet
 from mcpn.events import Event, What
-from mcpn.mission.expansion.copies import Copies, Written
-from mcpn.mission.graph import ElementarySection, ObjectivesGraph, Section
+from mcpn.mission.expansion.copies import Written
+from mcpn.mission.graph import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, WHOLE, Mission, walk
 from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.nets.petri import Marking
@@ -305,20 +305,55 @@ def meant_to_be_entered(mission_net: MissionNet) -> Iterator[str]:
     What a failure, an abort, a timeout, an event or a fact leads to is a helper, which may be left out. So
     may what successes of helpers alone lead to.
     """
-    graph = mission_net.graph
-    helpers, failing = frozenset(_helpers(mission_net.mission)), graph.copies.meant_as("fails")
-    return _meant(graph, graph.copies, helpers, failing)
+    graph, copies = mission_net.graph, mission_net.graph.copies
+    helpers, failing = frozenset(_helpers(mission_net.mission)), copies.meant_as("fails")
+
+    def helps(section: Section) -> bool:
+        return all(copies.around(leaf.name) & helpers for leaf in section.walk())
+
+    def meant(graph: ObjectivesGraph) -> Iterator[str]:
+        left = (section for section in _unled(graph) if not helps(section))
+        for section in (*_on_the_way(graph, failing), *left):
+            if isinstance(section, ElementarySection):
+                yield section.name
+            else:
+                for branch in section.branches:
+                    yield from meant(branch.graph)
+
+    return meant(graph)
 
 
-def _meant(graph: ObjectivesGraph, copies: Copies, helpers: Set[Written], failing: Set[str]) -> Iterator[str]:
+def _series(section: Section) -> ObjectivesGraph | None:
+    """What stands one after the other in a section that is stopped as a whole, and is no level of its own."""
+    if isinstance(section, ParallelSection) and len(section.branches) == 1:
+        branch = section.branches[0]
+        return branch.graph if branch.name.endswith(WHOLE) else None
+    return None
+
+
+def _on_the_way(graph: ObjectivesGraph, failing: Set[str]) -> Iterator[Section]:
+    """The objectives and parallel blocks of a level that successes lead to from its first one."""
     wanted = _way_of_successes(graph, failing)
-    left = (s for s in graph.unreached if not all(copies.around(leaf.name) & helpers for leaf in s.walk()))
-    for section in (*(section for section in graph.sections if section.name in wanted), *left):
-        if isinstance(section, ElementarySection):
-            yield section.name
-        else:
-            for branch in section.branches:
-                yield from _meant(branch.graph, copies, helpers, failing)
+    for section in graph.sections:
+        if section.name in wanted:
+            series = _series(section)
+            yield from [section] if series is None else _on_the_way(series, failing)
+
+
+def _unled(graph: ObjectivesGraph, *, led: bool = True) -> Iterator[Section]:
+    """The objectives and parallel blocks of a level that no route leads to.
+
+    Args:
+        graph: The level.
+        led: Whether some route leads to its first one.
+    """
+    reached = [(section, led) for section in graph.sections]
+    for section, led_to in (*reached, *((section, False) for section in graph.unreached)):
+        series = _series(section)
+        if series is not None:
+            yield from _unled(series, led=led_to)
+        elif not led_to:
+            yield section
 
 
 def _way_of_successes(graph: ObjectivesGraph, failing: Set[str]) -> set[str]:
@@ -337,10 +372,10 @@ def _led_as_meant(section: Section, failing: Set[str]) -> Iterator[str]:
     """Where a section leads while all in it ends as it is meant to."""
     if isinstance(section, ElementarySection):
         ends = {"failure" if section.name in failing else "success"}
-    elif len(section.branches) == 1 and section.branches[0].name.endswith(WHOLE):
-        # A series that is stopped as a whole: routes inside may lead out by a failure that is meant.
+    elif (series := _series(section)) is not None:
+        # Routes inside may lead out by a failure that is meant.
         said = {SUCCEED: "success", FAIL: "failure", ABORT: "abort"}
-        ends = {said[exit_] for exit_ in _way_of_successes(section.branches[0].graph, failing) & {*said}}
+        ends = {said[exit_] for exit_ in _way_of_successes(series, failing) & {*said}}
     else:
         ends = {"success"}
     for end, target in section.outcomes:
