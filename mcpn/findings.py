@@ -150,9 +150,9 @@ def findings(
     with timed("local graphs"):
         local, unlisted = _local_graphs(spaces)
     risk = None
-    if causes is not None and _has_rates(mission_net.mission):
+    if causes is not None and _has_rates(mission_net.core):
         risk = tried("numbers of risk", lambda: _risk(causes.prospects))
-        if risk is not None and (means := at_their_means(mission_net.mission)):
+        if risk is not None and (means := at_their_means(mission_net.core)):
             notes.append(f"Numbers of risk are {means}; mcpn causes --rates tells bounds.")
     with timed("claims"):
         claims = all_claims(checked, causes, rows or ())

@@ -60,7 +60,7 @@ def confirm(found: MissionNet, causes: Causes) -> None:
     Raises:
         AssertionError: Some subset says otherwise.
     """
-    hardware = [h.name for h in found.mission.hardware if h.faulty]
+    hardware = [h.name for h in found.core.hardware if h.faulty]
     for size in range(len(hardware) + 1):
         for dead in combinations(hardware, size):
             lost = any(set(names) <= set(dead) for names in causes.mission.cut_sets)

@@ -310,7 +310,7 @@ def main() -> None:
     for kind, bounds, measure in (
         ("contended", {"outputs": 3}, contentions),
         ("interrupted", {"events": 2}, interruptions),
-        ("detected late", {"late": True}, lambda net: len(net.mission.late)),
+        ("detected late", {"late": True}, lambda net: len(net.core.late)),
     ):
         if kind not in arguments.kinds:
             continue

@@ -95,9 +95,9 @@ class MissionNames(Names):
                 return self._meaning("activity", mission_net.usage.producer[name])
             case "oos" | "available":
                 software = mission_net.usage.producer if kind == "available" else ()
-                known = [*(h.name for h in mission_net.mission.hardware), *software]
+                known = [*(h.name for h in mission_net.core.hardware), *software]
                 resource = self._element(name, known, "resource")
-                about = [resource, *(f.name for f in mission_net.mission.faults if resource in f.affects)]
+                about = [resource, *(f.name for f in mission_net.core.common_causes if resource in f.affects)]
             case "event":
                 events = self._events(name)
                 return Fires(tuple(sorted(self.net.events.of(*events))))

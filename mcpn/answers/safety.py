@@ -192,7 +192,7 @@ def _moments(goal: GoalCauses, hardware: str) -> str:
 
 def _late_losses(checked: MissionCheck, alone: Sequence[str] | None) -> SafetyAnswer:
     """What goes on in vain after a loss that is noticed late, and such losses that leave no safe end."""
-    name, late = "no_late_loss_endangers", [each.name for each in checked.mission_net.mission.late]
+    name, late = "no_late_loss_endangers", [each.name for each in checked.mission_net.core.late]
     if not late:
         return _does_not_apply(name, "all losses are noticed at once")
     kinds = ("loss_unnoticed", "loss_unnoticed_later", "loss_found_in_time")

@@ -138,7 +138,7 @@ class MissionSpaces(Spaces):
 
     def _dying(self, by: Choice) -> Space[Any]:
         """The alternatives graph of the mission where its hardware may die, states listed or on diagrams."""
-        proof = bool(self.mission.mission.crashes)
+        proof = bool(self.mission.core.crashes)
         if by.engine == SYMBOLIC:
             return self._mortal.reduced(by, proof=proof)[0]
         limit = by.second_limit(MORTAL)
@@ -211,7 +211,7 @@ def too_much_hardware(mission_net: MissionNet, limit: int) -> str | None:
     Before it begins any set of hardware may be out of service, each in a stable state of its own. What stands
     for software that crashes is not: it fails only while it runs.
     """
-    mission = mission_net.mission
+    mission = mission_net.core
     faulty = sum(h.faulty for h in mission.hardware) - sum(c.faulty for c in mission.crashes)
     return f"{faulty} hardware resources that may fail have 2^{faulty} states" if 2**faulty > limit else None
 
@@ -222,7 +222,7 @@ def _many_sections(mission_net: MissionNet, limit: int) -> str | None:
     In each section that is entered any set of hardware may be out of service, in stable states of their own,
     and what has run may have crashed.
     """
-    mission, started = mission_net.mission, mission_net.usage.started
+    mission, started = mission_net.core, mission_net.usage.started
     never = sum(c.faulty for c in mission.crashes if c.activity not in started)
     faulty = sum(h.faulty for h in mission.hardware) - never
     sections = len(mission_net.graph.sections)

@@ -191,7 +191,7 @@ class FoundStates:
             ("objective", s.name): s.name in said.objectives for s in found.graph.walk()
         }
         row |= {("activity", name): said.mode.get(name) for name in found.usage.started}
-        row |= {("hardware", h.name): h.name not in said.out_of_service for h in found.mission.hardware}
+        row |= {("hardware", h.name): h.name not in said.out_of_service for h in found.core.hardware}
         row |= {("fact", name): value for name, value in said.facts.items()}
         row["mission", "outcome"] = said.outcome
         times = Counter(name for _, name in row)

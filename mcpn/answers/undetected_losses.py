@@ -41,7 +41,7 @@ def late_losses(mission_net: MissionNet, space: Space[S]) -> Iterator[LateLoss]:
         mission_net: The mission's net.
         space: Its alternatives graph.
     """
-    late = [h.name for h in mission_net.mission.late if ("known", h.name) in mission_net.by_role]
+    late = [h.name for h in mission_net.core.late if ("known", h.name) in mission_net.by_role]
     if not late:
         return
     prospects = Prospects(mission_net, space)

@@ -111,7 +111,7 @@ def _match(first: MissionSpaces, second: MissionSpaces) -> None:
     """Refuses missions that say nothing of each other."""
     names = []
     for spaces in (first, second):
-        mission, graph = spaces.mission.mission, spaces.mission.graph
+        mission, graph = spaces.mission.core, spaces.mission.graph
         objectives = {graph.copies.plain(section.name) for section in graph.walk()}
         names.append(
             {("objective", n) for n in objectives} | {("hardware", h.name) for h in mission.hardware}

@@ -69,7 +69,7 @@ class Vocabulary(ValueRecord):
 
 def vocabulary(mission_net: MissionNet) -> Vocabulary:
     """The words of a mission; nothing is explored to know them."""
-    mission, names = mission_net.mission, MissionNames(mission_net)
+    mission, names = mission_net.core, MissionNames(mission_net)
     copies = mission_net.graph.copies
     described = {section.name: section.description for section in mission_net.graph.walk()}
     happening: dict[str, str | None] = {

@@ -46,7 +46,7 @@ def chance_claims(
     mission_net = causes.mission_net
     rounds: list[tuple[str, str, Callable[[Any], float], Callable[[Any], float]]]
     rounds = [("chance", SENTENCE, float, float)]
-    if interval_rates(mission_net.mission):
+    if interval_rates(mission_net.core):
         rounds.append(("bounds", WITHIN, lambda rate: _side(rate, "low"), lambda rate: _side(rate, "high")))
     yield Trusted("importance", *IMPORTANCE)
     why = _unsaid(mission_net, stopped)
@@ -86,7 +86,7 @@ def _side(rate: Any, side: str) -> float:
 
 def _unsaid(mission_net: MissionNet, stopped: MomentClaims) -> str:
     """Why no statement gives the model of a mission; empty where one does."""
-    mission = mission_net.mission
+    mission = mission_net.core
     if mission.crashes:
         return CRASHES
     if any(hardware.demand_probability for hardware in mission.hardware):
@@ -112,7 +112,7 @@ def _model(
     mission_net: MissionNet, lower: Callable[[Any], float], upper: Callable[[Any], float]
 ) -> dict[str, Any]:
     """How often what happens, as a statement says it."""
-    mission, known = mission_net.mission, mission_net.net.events
+    mission, known = mission_net.core, mission_net.net.events
 
     def rate(value: Any) -> list[str]:
         return [_text(side(value or 0.0)) for side in (lower, upper)]

@@ -88,7 +88,7 @@ def _block(section: ParallelSection) -> Entry:
 
 
 def _robot(usage: Usage) -> Entry:
-    mission, started = usage.mission, [usage.activities[name] for name in usage.started]
+    mission, started = usage.core, [usage.activities[name] for name in usage.started]
     return {
         "hardware": [_hardware(each) for each in mission.hardware],
         "software": [{"name": each.name, "exclusive": each.exclusive} for each in mission.software],

@@ -42,7 +42,7 @@ def before_the_start(graph: AlternativesGraph, mission_net: MissionNet, ends: Se
 
 def can_fail(mission_net: MissionNet) -> list[str]:
     """The hardware that may be out of service."""
-    return [h.name for h in mission_net.mission.hardware if ("oos", h.name) in mission_net.by_role]
+    return [h.name for h in mission_net.core.hardware if ("oos", h.name) in mission_net.by_role]
 
 
 def survived(

@@ -109,7 +109,7 @@ class MomentClaims:
         said: dict[str, Any] = {"goal": goal.said, "hardware": self.hardware, "cuts": cuts}
         # At the worst moment nothing fails that could succeed: that speaks of every objective.
         every = self.objectives.values() if moment is Moment.SOMETIME else (goal,)
-        why = CRASHES if self.net.mission.crashes else max((each.refused for each in every), default="")
+        why = CRASHES if self.net.core.crashes else max((each.refused for each in every), default="")
         if section is not None and not why:
             said |= self._entering(section)
             why = self._entered_again(section)

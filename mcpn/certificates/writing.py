@@ -226,7 +226,7 @@ def _asked_cut_sets(causes: Causes) -> tuple[list[tuple[str, str, dict[str, Any]
     for cut_sets, ends in asked:
         key = f"cut_sets: {ends}"
         sentence = f"All minimal cut sets: lost before the start, each leaves no way to {ends}."
-        if mission_net.mission.crashes:
+        if mission_net.core.crashes:
             trusted.append(Trusted(key, sentence, CRASHES))
             continue
         cuts = sorted(sorted(names) for names in cut_sets)
@@ -388,7 +388,7 @@ class _Writer:
             raise Uncertified("a failure of nominal runs is not certified")
         mission_net, graph = self.mission_net, self.graph
         runs = NominalRuns(mission_net, ArraySpace(graph), settles=True)
-        copies, hardware = mission_net.graph.copies, mission_net.mission.hardware
+        copies, hardware = mission_net.graph.copies, mission_net.core.hardware
         optional, endless = copies.meant_as("optional"), copies.meant_as("endless")
         stays = [place for place, name in mission_net.saying("objective").items() if name in endless]
         within = runs.reached.mask & ~self.ended("success") & ~evidence.marking(graph, stays)

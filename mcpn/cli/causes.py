@@ -116,7 +116,7 @@ def causes(
             try:
                 chained = every.prospects.within(max_chain)
                 numbers, slopes = risk(chained), slopes_of(chained)
-                if interval_rates(study.mission_net.mission):
+                if interval_rates(study.mission_net.core):
                     bounded = bounds(every.prospects)
                 if hours is not None:
                     by_then = ends_within(whole_chain(every.prospects), hours)
@@ -178,7 +178,7 @@ def causes(
         risk_numbers.print_risk(numbers)
         risk_numbers.print_slopes(numbers, slopes or {})
     if bounded is not None:
-        risk_numbers.print_bounds(bounded, at_their_means(study.mission_net.mission))
+        risk_numbers.print_bounds(bounded, at_their_means(study.mission_net.core))
     if by_then is not None and within is not None:
         risk_numbers.print_within(by_then, within.strip())
     terminal.print_left_out(missing)

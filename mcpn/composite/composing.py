@@ -106,7 +106,7 @@ def composite_space(
     composite = CompositeSpace(whole, layout, stages)
     # Death only disables repairs, so the proof for the composite without it holds here, too. But with it
     # crashes happen at any moment (:func:`crashing_anytime`), which the proof there does not cover.
-    if not may_die or mission_net.mission.crashes:
+    if not may_die or mission_net.core.crashes:
         if not renamable:
             refuse_open_junctions(composite)
         try:

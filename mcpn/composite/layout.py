@@ -75,8 +75,8 @@ class Layout:
         of such states are small where the two stand apart and each stands together; a crash, or a common
         cause, is declared far from the hardware that is consumed with it.
         """
-        mission, number = self.mission_net.mission, {name: i for i, name in enumerate(self.hardware)}
-        if not mission.faults and not mission.crashes:
+        mission, number = self.mission_net.core, {name: i for i, name in enumerate(self.hardware)}
+        if not mission.common_causes and not mission.crashes:
             return [*self.hardware]
         groups = list[list[int]]()
         for activity in mission.activities:

@@ -23,7 +23,7 @@ def chances_of(mission_net: MissionNet) -> Chances:
         mission_net: The mission, whose file gives them.
     """
     stopped = _stopped_by(mission_net)
-    mission = mission_net.mission
+    mission = mission_net.core
     on_demand = {h.name: h.demand_probability for h in mission.hardware if h.demand_probability}
     return Chances(
         _rates(mission),

@@ -148,14 +148,14 @@ def document(controller: AnyController, mission_net: MissionNet, *, verified: bo
 
 def _hardware(mission_net: MissionNet) -> dict[str, Any]:
     """All hardware, and what of it stands for something else, is out at the start, or is never repaired."""
-    hardware = mission_net.mission.hardware
+    hardware = mission_net.core.hardware
     return {
         "all_hardware": [h.name for h in hardware],
-        "common_causes": [fault.name for fault in mission_net.mission.faults],
+        "common_causes": [fault.name for fault in mission_net.core.common_causes],
         "out_of_service": [h.name for h in hardware if h.initial == "oos"],
         "unrepairable": [h.name for h in hardware if not h.repairable],
-        "crashing": [crash.name for crash in mission_net.mission.crashes],
-        "late": {h.name: noticed(h.name) for h in mission_net.mission.late},
+        "crashing": [crash.name for crash in mission_net.core.crashes],
+        "late": {h.name: noticed(h.name) for h in mission_net.core.late},
     }
 
 
@@ -298,7 +298,7 @@ def _laws(mission_net: MissionNet) -> dict[str, Any]:
                     for alternative in activity.alternatives
                 },
             }
-            for activity in mission_net.mission.activities
+            for activity in mission_net.core.activities
         },
         **({"blocks": blocks} if blocks else {}),
     }

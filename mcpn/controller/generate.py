@@ -90,7 +90,7 @@ def generate(
     spaces = spaces_of(subject, **within)
     mission_net, max_states = spaces.mission, spaces.max_states
     if form == "flat":
-        faulty = sum(h.faulty for h in mission_net.mission.hardware)
+        faulty = sum(h.faulty for h in mission_net.core.hardware)
         limit = MAX_STABLE_STATES if max_states is None else max_states
         if 1 << faulty > limit:
             raise LimitError(

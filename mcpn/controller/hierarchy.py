@@ -237,7 +237,7 @@ def flat_controller(mission_net: MissionNet, alternatives: AlternativesGraph) ->
     Returns:
         The controller.
     """
-    hardware = tuple(h.name for h in mission_net.mission.hardware if h.faulty)
+    hardware = tuple(h.name for h in mission_net.core.hardware if h.faulty)
     refuse_entries(hardware)
     machine = inner_machine(controller(mission_net, alternatives), hardware, flags_told(mission_net))
     name = mission_net.mission.name

@@ -22,7 +22,7 @@ Likelihood = Callable[[Event], float]
 
 def likelihood(mission_net: MissionNet) -> Likelihood:
     """The weight of each event of a mission; the start of the mission is more likely than all else."""
-    mission = mission_net.mission
+    mission = mission_net.core
     given: dict[tuple[What, str, str], float | None] = {}
     for hardware in mission.hardware:
         given[What.OUT_OF_SERVICE, hardware.name, ""] = hardware.failure_rate

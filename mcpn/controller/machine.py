@@ -79,7 +79,7 @@ class Ordering:
         self.held = {block.name: set(block.held) for block in graph.timed_blocks()}
         self.named = {section.name: section.activities for section in graph.walk()}
         # What stands for a fault or a crash is nothing that the robot takes or releases.
-        stands = (*usage.mission.faults, *usage.mission.crashes)
+        stands = (*usage.core.common_causes, *usage.core.crashes)
         taken = usage.hardware.keys() - {each.name for each in stands}
         self._declared = {k: number for number, k in enumerate(usage.hardware)}
         self.hardware = {

@@ -139,7 +139,7 @@ class Simulation:
         Raises:
             LimitError: More stable markings than allowed would have to be looked at.
         """
-        crashes = {crash.name for crash in self.mission_net.mission.crashes}
+        crashes = {crash.name for crash in self.mission_net.core.crashes}
         working = [e.element for e in self.possible if e.what is What.OUT_OF_SERVICE]
         # What a failure stops cannot crash any more.
         working.sort(key=lambda name: name not in crashes)
@@ -227,12 +227,12 @@ def resources(mission_net: MissionNet, now: Situation) -> Iterator[tuple[str, st
         (way,) = (w for w in activities[activity].alternatives if w.name == alternative)
         for resource in way.consumes:
             users.setdefault(resource, []).append(activity)
-    faults = {fault.name for fault in mission_net.mission.faults}
+    faults = {fault.name for fault in mission_net.core.common_causes}
     affecting = {
-        h.name: {fault.name for fault in mission_net.mission.faults if h.name in fault.affects}
-        for h in mission_net.mission.hardware
+        h.name: {fault.name for fault in mission_net.core.common_causes if h.name in fault.affects}
+        for h in mission_net.core.hardware
     }
-    for hardware in mission_net.mission.hardware:
+    for hardware in mission_net.core.hardware:
         name = hardware.name
         if isinstance(hardware, Crash):
             yield name, "crashed" if name in now.out_of_service else "not crashed"

@@ -51,6 +51,11 @@ class MissionNet(Drawn):
         sizes = f"{len(self.net.places)} places, {len(self.net.transitions)} transitions"
         return f"<net of the mission {self.mission.name}: {sizes}>"
 
+    @property
+    def core(self) -> Mission:
+        """The core mission: what its hardware and its activities are, common causes written out."""
+        return self.usage.core
+
     @cached_property
     def warnings(self) -> tuple[Problem, ...]:
         """What is suspicious in the mission by its text."""
@@ -106,7 +111,7 @@ class MissionNet(Drawn):
     @cached_property
     def in_service(self) -> Marking:
         """The initial marking, with hardware repaired that is out of service at the start."""
-        net, out = self.net, {h.name for h in self.mission.hardware if h.initial == "oos"}
+        net, out = self.net, {h.name for h in self.core.hardware if h.initial == "oos"}
         marking = net.initial
         for t, transition in enumerate(net.transitions) if out else ():
             event = transition.event
@@ -191,7 +196,7 @@ def compose(mission: Mission, templates: TemplateSet | None = None) -> MissionNe
 
 def compose_usage(usage: Usage, templates: TemplateSet | None = None) -> MissionNet:
     """Composes the Petri net of a mission whose objectives graph is there; see :func:`compose`."""
-    mission = usage.mission
+    mission = usage.core
     activities = [a for a in mission.activities if a.name in set(usage.started)]
     produced = {s for a in activities for s in a.produces}
     software = [s for s in mission.software if s.name in produced]
@@ -219,7 +224,7 @@ def compose_parts(
         InputError: A template names a place that none of the parts draws.
     """
     templates = templates or PaperTemplates()
-    known = _named(usage.mission.software, usage.mission.activities)
+    known = _named(usage.mission.software, usage.core.activities)
     left_out = known - _named(parts.software, parts.activities)
     section_parts = SectionParts(usage)
     alike = section_parts.alike if by_type and looks_at_no_names(templates) else None

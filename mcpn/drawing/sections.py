@@ -148,7 +148,7 @@ class Used:
             for activity in self.activities
         )
         # The ends of objectives read what is detected late in document order.
-        late = tuple(number[h.name] for h in usage.mission.late if h.name in {*self.late})
+        late = tuple(number[h.name] for h in usage.core.late if h.name in {*self.late})
 
         def shared(resource: str) -> tuple[int, ...] | None:
             if resource not in usage.sharing.consumers:

@@ -34,7 +34,7 @@ def findings(file: Path) -> dict[str, Any]:
     }
     if checked.passed:
         causes = study.causes()
-        hardware = {each.name for each in study.mission_net.mission.hardware}
+        hardware = {each.name for each in study.mission_net.core.hardware}
         claims = claims_of_causes(causes)
         own = {causes.mission.name: losses(claims, "defeat")}
         own |= {name: conditions(goal, name) for name, goal in causes.objectives.items() if goal.cut_sets}

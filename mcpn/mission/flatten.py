@@ -79,7 +79,12 @@ def flatten(mission: Mission) -> ObjectivesGraph:
     """
     flattening = _Flattening(valid(mission))
     graph = flattening.mission()
-    return replace(graph, copies=flattening.positions, requirements=flattening.requirements)
+    return replace(
+        graph,
+        core=flattening.written_out,
+        copies=flattening.positions,
+        requirements=flattening.requirements,
+    )
 
 
 class _Flattening:

@@ -18,7 +18,7 @@ from mcpn.mission.expansion.routes import (
     Routes,
     Setting,
 )
-from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import Parameter
 from mcpn.notebook import Drawn
@@ -291,6 +291,7 @@ class ObjectivesGraph(Drawn, ValueRecord):
         sections: Those that some route reaches, in document order.
         entry: The first one's name.
         unreached: Those that no route reaches, in document order; they are part of nothing that follows.
+        core: Of a whole mission: the core mission that it was read from.
         copies: Of a whole mission: what its objectives and blocks are copies of.
         requirements: Of a whole mission: its requirements by name, those of a protocol for each of its uses,
             qualified, each with what stands before the names of the text that holds it.
@@ -299,6 +300,7 @@ class ObjectivesGraph(Drawn, ValueRecord):
     sections: tuple[Section, ...]
     entry: str
     unreached: tuple[Section, ...] = ()
+    core: Mission | None = field(default=None, compare=False)
     copies: Copies = field(default_factory=Copies, compare=False)
     requirements: Mapping[str, tuple[str, Requirement]] = field(default_factory=dict, compare=False)
 

@@ -18,8 +18,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Annotated, TypeAlias
 
-from mcpn.mission.expansion.crashes import Crash, as_crashes
-from mcpn.mission.expansion.faults import as_hardware, consuming
+from mcpn.mission.expansion.crashes import Crash, as_crashes, consuming
 from mcpn.mission.language.datatypes import (
     COUNT,
     FAITH,
@@ -415,7 +414,7 @@ class Mission(Drawn, Element):
             "blocks": sum(1 for _ in walk(self.blocks)),
             "protocols": len(self.protocols),
             "activities": len(self.activities),
-            "hardware": len(self.hardware),
+            "hardware": len(self.hardware) + len(self.faults),
         }
         return f"<mission {self.name}: {', '.join(f'{n} {what}' for what, n in sizes.items())}>"
 
@@ -427,14 +426,18 @@ class Mission(Drawn, Element):
 
     @property
     def hardware(self) -> tuple[Hardware, ...]:
-        """All hardware resources, in document order, then those that stand for faults and for crashes."""
-        declared = (resource for robot in self.robots for resource in robot.hardware)
-        return (*declared, *as_hardware(self.faults), *self.crashes)
+        """All hardware resources, in document order, then those that stand for crashes."""
+        return (*(resource for robot in self.robots for resource in robot.hardware), *self.crashes)
 
     @property
     def faults(self) -> tuple[Fault, ...]:
         """All common causes of failures, in document order."""
         return tuple(fault for robot in self.robots for fault in robot.faults)
+
+    @property
+    def common_causes(self) -> tuple[Hardware, ...]:
+        """Of a core mission: the hardware that stands for common causes of failures, in document order."""
+        return tuple(resource for resource in self.hardware if resource.affects)
 
     @property
     def late(self) -> tuple[Hardware, ...]:
@@ -453,9 +456,8 @@ class Mission(Drawn, Element):
 
     @property
     def activities(self) -> tuple[Activity, ...]:
-        """All activities, in document order; they use what stands for faults and crashes, too."""
-        declared = (activity for robot in self.robots for activity in robot.activities)
-        return tuple(consuming(declared, self.faults))
+        """All activities, in document order; they use what stands for crashes, too."""
+        return tuple(consuming(activity for robot in self.robots for activity in robot.activities))
 
     @property
     def facts(self) -> tuple[Fact, ...]:

@@ -18,6 +18,7 @@ from mcpn.mission.language.datatypes import (
     STATUS,
     VALUE,
     Children,
+    Core,
     FactName,
     Name,
     Probability,
@@ -86,6 +87,9 @@ class Hardware(Element):
         Probability,
         "Risk: the probability, 0 to 1, that it fails when an alternative that consumes it starts.",
     ] = None
+    affects: Annotated[
+        Resources, Core(), "It stands for a common cause, which takes this hardware out of service."
+    ] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

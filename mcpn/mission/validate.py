@@ -12,9 +12,9 @@ from mcpn.errors import InputError, Problem
 from mcpn.mission.block_errors import BlockErrors, undeclared
 from mcpn.mission.expansion.crashes import Crash, crash_errors
 from mcpn.mission.expansion.detection import detected_twice, detection_errors
-from mcpn.mission.expansion.faults import failure_errors
 from mcpn.mission.fact_errors import fact_errors
 from mcpn.mission.field_types import wrong_types
+from mcpn.mission.hardware_errors import failure_errors
 from mcpn.mission.language.datatypes import CORE_NAME, NAME, Interval
 from mcpn.mission.language.forms import form_of
 from mcpn.mission.language.references import cycles, duplicates, repeats, unseen
@@ -71,10 +71,11 @@ class _Checks:
         self.mission = mission
         self.before = before
         self.activities: Mapping[str, Activity] = {a.name: a for a in mission.activities}
-        # As declared: mission.hardware also has the resources of faults and crashes, which nobody names.
+        # As declared: mission.hardware also has the resources of crashes, which nobody names.
         self.hardware = {h.name: h for robot in mission.robots for h in robot.hardware}
         self.software = {s.name: s for s in mission.software}
         self.resources: Mapping[str, Element] = {**self.hardware, **self.software}
+        self.standing = {cause.name for cause in mission.common_causes}
         self.named = {*self.resources, *(fault.name for fault in mission.faults)}
         self.hints = Hints()
         self.of_blocks = BlockErrors(mission, self.hints)
@@ -92,7 +93,7 @@ class _Checks:
         for element in unseen(mission, self.before):
             yield from self.attributes(element)
         yield from duplicates("robot", mission.robots)
-        resources = (*mission.hardware, *mission.software)
+        resources = (*mission.hardware, *mission.faults, *mission.software)
         yield from duplicates("resource", (r for r in resources if not isinstance(r, Crash)))
         yield from duplicates("activity", mission.activities)
         yield from duplicates("fact", mission.facts)
@@ -133,23 +134,24 @@ class _Checks:
         if not datatype.matches(element.name):
             found = f"the name {element.name!r} is not allowed"
             yield Problem(element.source, f"{found}, expected {datatype.expected}")
-        if isinstance(element, BlockElement):
-            yield from self.copy(element)
+        yield from self.of_core(element)
         yield from self.values(element, element.name)
         for content in form_of(type(element)).contents:
             if content.classes == (Parameter,):
                 yield from duplicates("parameter", getattr(element, content.name))
 
-    def copy(self, block: BlockElement) -> Iterator[Problem]:
-        """What is wrong with what a block says of itself as a copy, as core missions do."""
-        core = form_of(type(block)).core
-        said = [field.tag for field in core if getattr(block, field.name) != field.default]
+    def of_core(self, element: Element) -> Iterator[Problem]:
+        """What is wrong with what an element says as core missions do, a block of itself as a copy."""
+        core = form_of(type(element)).core
+        said = [field.tag for field in core if getattr(element, field.name) != field.default]
         if said and not self.mission.core:
-            message = f"{block.name} has {said[0]}, though the mission is no core mission"
-            yield Problem(block.source, message)
-        elif block.copy and not block.own.endswith("".join(f"_{suffix}" for suffix in block.copy)):
-            message = f"the copy {' '.join(block.copy)} of {block.name} is not what its name ends in"
-            yield Problem(block.source, message)
+            message = f"{element.name} has {said[0]}, though the mission is no core mission"
+            yield Problem(element.source, message)
+        elif not isinstance(element, BlockElement) or not element.copy:
+            return
+        elif not element.own.endswith("".join(f"_{suffix}" for suffix in element.copy)):
+            message = f"the copy {' '.join(element.copy)} of {element.name} is not what its name ends in"
+            yield Problem(element.source, message)
 
     def values(self, element: Described, name: str) -> Iterator[Problem]:
         """Values of its attributes that are not allowed."""
@@ -203,7 +205,8 @@ class _Checks:
                     self.hints, activity.source, f"activity {activity.name} produces", resource, self.software
                 )
         for alternative in activity.alternatives:
-            if (number := len(alternative.consumes)) > MAX_CONSUMED:
+            number = sum(resource not in self.standing for resource in alternative.consumes)
+            if number > MAX_CONSUMED:
                 who = f"alternative {alternative.name} of activity {activity.name} consumes"
                 message = f"{who} {number} resources, expected at most {MAX_CONSUMED}"
                 yield Problem(alternative.source, message)

@@ -164,7 +164,7 @@ def page(
             notes=findings.notes,
             warnings=findings.warnings,
             controlled=findings.controller is not None,
-            faulty=[h.name for h in mission_net.mission.hardware if h.faulty] if findings.causes else [],
+            faulty=[h.name for h in mission_net.core.hardware if h.faulty] if findings.causes else [],
             # Data in a script element ends at the first "<" that closes it: there is none.
             data=data.replace("<", "\\u003c"),
             script=script,

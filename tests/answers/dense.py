@@ -79,9 +79,9 @@ class Dense:
         self.play = Play(found)
         self.found, self.states = found, graph.states
         self.objectives = {o.name: o for o in found.graph.walk()}
-        self.hardware = {h.name: h for h in found.mission.hardware if h.faulty}
+        self.hardware = {h.name: h for h in found.core.hardware if h.faulty}
         self.events = {e.name: e.rate or 0.0 for e in found.mission.events}
-        self.finding = {k: a.detection_rate or 0.0 for a in found.mission.activities for k in a.detects}
+        self.finding = {k: a.detection_rate or 0.0 for a in found.core.activities for k in a.detects}
         markings = [graph.marking(s) for s in range(graph.states)]
         role = found.roles
         self.runs = [
@@ -149,8 +149,8 @@ class Dense:
         taken: set[int] = set()
         self.play.settle(self.found.net.fire(marking, label), taken)
         taken |= {p for p, _ in self.found.net.transitions[label].consume}
-        known = {a.name: a for a in self.found.mission.activities}
-        makers = {k: a for a in self.found.mission.activities for k in a.produces}
+        known = {a.name: a for a in self.found.core.activities}
+        makers = {k: a for a in self.found.core.activities for k in a.produces}
         order: dict[str, None] = {}
         hardware: dict[str, None] = {}
 
@@ -340,7 +340,7 @@ class Jumps:
 
     def counts(self, state: int) -> bool:
         """Whether a state is a degraded mode that lasts."""
-        first = {f"{a.name}.{a.alternatives[0].name}" for a in self.of.found.mission.activities}
+        first = {f"{a.name}.{a.alternatives[0].name}" for a in self.of.found.core.activities}
         return bool(self.of.active[state] - first) and state not in self.hasty | self.of.ends
 
     def solved(self, states: Collection[int], gained: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

@@ -20,6 +20,7 @@ from mcpn.answers.claims.parts import FormulaParts
 from mcpn.answers.claims.unasked import DEFEATING, UNASKED
 from mcpn.errors import ConfluenceError, LimitError, UnsafeError
 from mcpn.mission.model import SUCCEED, Mission, Objective
+from mcpn.mission.passes import core
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.xml import read_mission
 from mcpn.report.checked import IDLE
@@ -80,7 +81,7 @@ def requiring(draw: st.DrawFn, drawn: st.SearchStrategy[Mission]) -> Mission:
     """Missions that require what one of two words says after the other."""
     mission = draw(drawn)
     words = [f"objective({block.name})" for block in mission.blocks if isinstance(block, Objective)]
-    words += [f"oos({h.name})" for h in mission.hardware if h.faulty]
+    words += [f"oos({h.name})" for h in core(mission).hardware if h.faulty]
     words += [f"happens({event.name})" for event in mission.events]
     word = st.sampled_from(["success", "failure", *words])
     formula = draw(st.sampled_from(["G ({} -> F {})", "G ({} -> X {})", "F ({} | !{})"]))

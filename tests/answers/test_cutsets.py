@@ -262,7 +262,7 @@ def test_critical_events_are_those_of_plain_search(mission: Mission, engine: Eng
         return
     play, asked = Play(found), Asked(found, engine)
     dead = frozenset[str]() if repairs else frozenset(play.hardware)
-    makers = {k: a for a in mission.activities for k in a.produces}
+    makers = {k: a for a in found.core.activities for k in a.produces}
 
     def under(resource: str) -> set[str]:
         """The hardware whose loss may be felt through a resource; none where its producer needs none."""
@@ -278,7 +278,7 @@ def test_critical_events_are_those_of_plain_search(mission: Mission, engine: Eng
             return set(section.activities) if section else set()
         differing = set()
         for name in found.usage.started:
-            (activity,) = (a for a in mission.activities if a.name == name)
+            (activity,) = (a for a in found.core.activities if a.name == name)
             ways = [set[str]().union(*map(under, way.consumes)) for way in activity.alternatives]
             if len({of.element in way for way in ways}) == 2:
                 differing.add(name)

@@ -100,7 +100,7 @@ def test_numbers_are_those_of_a_dense_solve(of: Mission, data: st.DataObject) ->
     except (LimitError, ConfluenceError, DivergenceError) as error:
         returns_early(type(error).__name__)
         return
-    asked = any(h.demand_probability for h in found.mission.hardware)
+    asked = any(h.demand_probability for h in found.core.hardware)
     event(f"on demand: {asked}")
     numbers = Dense(found, graph).numbers()
     for each in computed.values():

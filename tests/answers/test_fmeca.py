@@ -39,7 +39,7 @@ def test_every_resource_of_ulysse_has_a_row_for_every_objective(
     ulysse_net: MissionNet, ulysse_rows: dict[tuple[str, str], Row]
 ) -> None:
     assert list(ulysse_rows) == [
-        (h.name, s.name) for h in ulysse_net.mission.hardware for s in ulysse_net.graph.walk()
+        (h.name, s.name) for h in ulysse_net.core.hardware for s in ulysse_net.graph.walk()
     ]
 
 
@@ -145,10 +145,8 @@ def test_what_happens_in_another_branch_is_no_effect_on_this_one(
 
 def used_by(found: MissionNet, marking: Marking, activities: Iterable[str]) -> frozenset[tuple[str, str]]:
     """What activities and those that serve them do: alternatives that run or are awaited, and refusals."""
-    producers = {r: a.name for a in found.mission.activities for r in a.produces}
-    consumed = {
-        f"{a.name}.{way.name}": way.consumes for a in found.mission.activities for way in a.alternatives
-    }
+    producers = {r: a.name for a in found.core.activities for r in a.produces}
+    consumed = {f"{a.name}.{way.name}": way.consumes for a in found.core.activities for way in a.alternatives}
     said = [role for place, role in found.roles.items() if marking[place]]
     using, stack = set[tuple[str, str]](), list(activities)
     seen = set(stack)
@@ -396,7 +394,7 @@ class Words:
             ]
         stopped = [f"{a} stops" for a in was if a not in now]
         ways = {
-            (a.name, w.name): w.consumes for a in self.costs.found.mission.activities for w in a.alternatives
+            (a.name, w.name): w.consumes for a in self.costs.found.core.activities for w in a.alternatives
         }
         users = [a for a in was if hardware in ways[a, was[a]]]
         started = [f"{a} runs" for a in now if a not in was]

@@ -45,7 +45,7 @@ def searched(net: MissionNet) -> Told:
         run = play.reach([start], [*repairs, *without], f"OBJ_{name}")
         return any(text == f"OBJ_{name}_EV_OK" for m in run for text, _ in play.edges(m))
 
-    for name in (h.name for h in net.mission.late if ("known", h.name) in net.by_role):
+    for name in (h.name for h in net.core.late if ("known", h.name) in net.by_role):
         (known,) = net.by_role["known", name]
         alone = play.reach([play.initial], [f"{other}_EV_OOS" for other in play.hardware if other != name])
         detected = f"{name}_EV_DETECTED"

@@ -385,10 +385,10 @@ class Simulation:
     def __init__(self, found: MissionNet) -> None:
         self.play = Play(found)
         self.sections = {s.name: s for s in found.graph.walk()}
-        self.hardware = {h.name: h for h in found.mission.hardware}
+        self.hardware = {h.name: h for h in found.core.hardware}
         self.lost: dict[tuple[tuple[int, ...], str], bool] = {}
         self.roles = found.roles
-        self.first = {f"{a.name}.{a.alternatives[0].name}" for a in found.mission.activities}
+        self.first = {f"{a.name}.{a.alternatives[0].name}" for a in found.core.activities}
 
     def is_lost(self, marking: tuple[int, ...], name: str) -> bool:
         key = marking, name

@@ -63,8 +63,8 @@ def test_derivatives_are_those_of_exact_differences(mission: Mission) -> None:
         return
     assume(chain.states <= 150)
     found = slopes(chain)
-    crashes = {crash.name for crash in mission_net.mission.crashes}
-    assert {*found} == {h.name for h in mission_net.mission.hardware if h.failure_rate and h.faulty}
+    crashes = {crash.name for crash in mission_net.core.crashes}
+    assert {*found} == {h.name for h in mission_net.core.hardware if h.failure_rate and h.faulty}
     for name in sorted({*found} - crashes)[:2]:
         # (f(x+h) - f(x-h)) / 2h is off by terms of h²: Richardson takes out the first of them.
         wide, narrow = (

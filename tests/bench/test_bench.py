@@ -135,7 +135,7 @@ def test_a_run_is_one_of_the_controller(ulysse_net: MissionNet) -> None:
     """What is looked up is what the runtime says when it handles the whole run."""
     played = world(ulysse_net, 1.0)
     rng = random.Random(2)
-    faults = [f"{h.name}_EV_{what}" for h in ulysse_net.mission.hardware for what in ("OOS", "RD")]
+    faults = [f"{h.name}_EV_{what}" for h in ulysse_net.core.hardware for what in ("OOS", "RD")]
     script = sorted((rng.uniform(0, 6), fault) for fault in faults)
     run = one_run(played, rng, script)
     controller = Controller(played.tables, on_refused=lambda refused: None)

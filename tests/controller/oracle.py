@@ -31,7 +31,7 @@ class NetRobot:
         self.timed = {s.name for s in mission_net.graph.walk() if s.timeout is not None}
         self.ended: set[str] = set()
         """Objectives left since the event."""
-        self.own: dict[str, list[int]] = {activity.name: [] for activity in mission_net.mission.activities}
+        self.own: dict[str, list[int]] = {activity.name: [] for activity in mission_net.core.activities}
         for number, place in enumerate(self.net.places):
             of = place.provenance
             if of and of.kind in ("activity", "alternative") and BUSY.search(place.name):

@@ -205,7 +205,7 @@ def test_it_does_what_the_net_does(mission: Mission, seed: int) -> None:
         return
     rng = random.Random(seed)
     robot, simulation = NetRobot(mission_net, rng), Simulation(mission_net)
-    names = {h.name for h in mission.hardware}
+    names = {h.name for h in mission_net.core.hardware}
     for _ in range(40):
         assert sorted(map(str, simulation.possible)) == sorted(robot.possible)
         assert simulation.situation.mode == robot.mode

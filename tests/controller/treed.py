@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from mcpn.controller.generate import Form
 from mcpn.mission.model import Mission
+from mcpn.mission.passes import core
 from mcpn.robot.runtime import Action, Controller, Refused
 from mcpn.robot.runtime.tables import Tables
 from tests.controller.traces import canonical
@@ -21,14 +22,15 @@ class Modelled:
     def __init__(self, mission: Mission, tables: Tables) -> None:
         self.tables = tables
         self.told: list[str] = []
-        self.fixed = {each.name for each in (*mission.faults, *mission.crashes)}
+        robots = core(mission)
+        self.fixed = {each.name for each in (*robots.common_causes, *robots.crashes)}
         self.takes = {
             (activity.name, way.name): [k for k in way.consumes if k not in self.fixed]
-            for activity in mission.activities
+            for activity in robots.activities
             for way in activity.alternatives
         }
-        self.hardware = {each.name for each in mission.hardware}
-        self.crashes = {each.name for each in mission.crashes}
+        self.hardware = {each.name for each in robots.hardware}
+        self.crashes = {each.name for each in robots.crashes}
         self.controller = Controller(tables, log=1)
         self.running = False
         self.started: list[str] = []

@@ -58,9 +58,9 @@ def test_controllers_do_the_same(data: st.DataObject) -> None:
 
 def numbered(found: MissionNet, machine: Machine) -> list[tuple[object, ...]]:
     """The edges of a controller with each element by its place in the mission."""
-    activities = {a.name: i for i, a in enumerate(found.mission.activities)}
-    ways = {(a.name, w.name): i for a in found.mission.activities for i, w in enumerate(a.alternatives)}
-    hardware = {h.name: i for i, h in enumerate(found.mission.hardware)}
+    activities = {a.name: i for i, a in enumerate(found.core.activities)}
+    ways = {(a.name, w.name): i for a in found.core.activities for i, w in enumerate(a.alternatives)}
+    hardware = {h.name: i for i, h in enumerate(found.core.hardware)}
     objectives = {section.name: i for i, section in enumerate(found.graph.walk())}
 
     def told(action: PlannedAction) -> tuple[object, ...]:

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from mcpn.mission.model import Each, EntryGuard, Handler, Mission, Recursive, walk
 from mcpn.mission.passes import PASSES, core
 from mcpn.testing.elements import (
+    COMMON_CAUSES,
     EARLY,
     GUARDED,
     IN_ROUNDS,
@@ -27,7 +28,17 @@ from tests.small import mission
 
 MOST_STATES = 40
 WRITTEN_OUT = st.one_of(
-    IN_ROUNDS, IN_TIME, TIMED, LED, LEFT_BY_FACTS, NAMED, GUARDED, INTERRUPTED, RECOVERING, EARLY
+    IN_ROUNDS,
+    IN_TIME,
+    TIMED,
+    LED,
+    LEFT_BY_FACTS,
+    NAMED,
+    GUARDED,
+    INTERRUPTED,
+    RECOVERING,
+    EARLY,
+    COMMON_CAUSES,
 )
 
 
@@ -84,9 +95,21 @@ def test_the_judge_gives_the_same_before_and_after_each_pass(of: Mission) -> Non
     judge, last = Interpreter(of), of
     for rewrite in PASSES:
         rewritten = core(of, until=rewrite.__name__)
-        if rewritten.blocks != last.blocks and not whole_names_copied(rewritten):
+        changed = rewritten.blocks != last.blocks or rewritten.robots != last.robots
+        if changed and not whole_names_copied(rewritten):
             alike(judge, Interpreter(rewritten))
         last = rewritten
+
+
+@fewer(0.2)
+@given(COMMON_CAUSES)
+def test_the_judge_gives_the_same_before_and_after_common_causes_are_hardware(of: Mission) -> None:
+    assume(of.faults and not pauses(of))
+    rewritten = core(of, until="faults")
+    assert not rewritten.faults
+    written = core(of, until="parameters")
+    assume(not whole_names_copied(written))
+    assert alike(Interpreter(written), Interpreter(rewritten)) > 1
 
 
 def test_the_judge_gives_the_same_before_and_after_early_ends_are_counted() -> None:

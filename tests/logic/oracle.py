@@ -29,7 +29,7 @@ class Play:
     def __init__(self, found: MissionNet) -> None:
         self.net = found.net
         self.place = found.net.place_index
-        self.hardware = [h.name for h in found.mission.hardware if h.faulty]
+        self.hardware = [h.name for h in found.core.hardware if h.faulty]
         blocks = found.graph.timed_blocks()
         self.timed = {f"OBJ_{block.name}_EV_TIMEOUT": [f"OBJ_{n}" for n in block.held] for block in blocks}
         """By event of a block whose time is over, the objectives in it."""

@@ -15,7 +15,7 @@ from mcpn.mission.expansion.helpers import problems
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Each, FactRoute, Handler, Mission, Objective, Parallel, Recursive, Use, walk
 from mcpn.mission.passes import PASSES, core
-from mcpn.mission.robot import DeclaredEvent, Fact
+from mcpn.mission.robot import DeclaredEvent, Fact, Hardware
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import read_mission
 from mcpn.testing.elements import WIDEST
@@ -33,9 +33,11 @@ def placed(copies: Copies) -> dict[str, list[object]]:
 
 
 def meaning(mission: Mission) -> tuple[Any, ...]:
-    """All that follows from a mission: its objectives graph, what names mean in it, its requirements."""
+    """All that follows from a mission: its objectives graph, what names mean in it, requirements, robots."""
     graph = flatten(mission)
-    return graph, graph.unreached, placed(graph.copies), graph.requirements
+    assert graph.core is not None
+    robots = graph.core.hardware, graph.core.activities
+    return graph, graph.unreached, placed(graph.copies), graph.requirements, robots
 
 
 @fewer(0.7)
@@ -115,6 +117,51 @@ def test_a_block_that_recovers_becomes_its_runs_with_copies_of_the_sibling_betwe
     path.write_bytes(write_mission(written).replace(b'fails_as="take_run3"', b'fails_as="shelter"'))
     with pytest.raises(InputError, match="fails_as of take_run1 names shelter; expected"):
         read_mission(path)
+
+
+FAULTS = """<mission name="m" xmlns="urn:mcpn:mission:1">
+  <robot name="r">
+    <hardware name="left"/><hardware name="right"/>
+    <fault name="water" affects="left lamp" repairable="false" failure_rate="2"/>
+    <activity name="a">
+      <alternative name="both" consumes="left right"/><alternative name="dark" consumes="lamp right"/>
+      <alternative name="one" consumes="right"/>
+    </activity>
+  </robot>
+  <robot name="s"><hardware name="lamp"/></robot>
+  <objective name="o" activities="a"/>
+</mission>"""
+
+
+def test_common_causes_become_hardware_behind_all_other_that_users_of_what_they_affect_consume_too(
+    tmp_path: Path,
+) -> None:
+    (path := tmp_path / "m.xml").write_text(FAULTS)
+    written = core(of := read_mission(path), until="faults")
+    assert [[h.name for h in robot.hardware] for robot in of.robots] == [["left", "right"], ["lamp"]]
+    assert [h.name for h in written.hardware] == ["left", "right", "lamp", "water"]
+    (water,) = written.common_causes
+    assert (water.shared, water.repairable, water.failure_rate) == (True, False, 2.0)
+    assert (water.affects, water.source) == (("left", "lamp"), of.faults[0].source)
+    consumed = [way.consumes for way in written.activities[0].alternatives]
+    assert consumed == [("left", "right", "water"), ("lamp", "right", "water"), ("right",)]
+    path.write_bytes(text := write_mission(written))
+    assert read_mission(path) == written
+    for wrong, found in (
+        (text.replace(b' core="true"', b""), "found the attribute affects on <hardware>"),
+        (text.replace(b'shared="true" ', b""), "water stands for a common cause: expected it shared"),
+        (text.replace(b'"left lamp"', b'"left lamb"'), "water affects lamb, which is not declared"),
+    ):
+        path.write_bytes(wrong)
+        with pytest.raises(InputError, match=found):
+            read_mission(path)
+
+
+def test_missions_of_authors_have_no_hardware_that_stands_for_common_causes() -> None:
+    h = Hardware(name="h")
+    of = robot((h, Hardware(name="w", shared=True, affects=("h",))), activity("a", ("h",)))
+    with pytest.raises(InputError, match="w has affects, though the mission is no core mission"):
+        flatten(mission(of, Objective(name="o", activities=("a",))))
 
 
 GUARDED = """<objective name="take" activities="a" timeout="9" timeout_goto="put" failure="put">

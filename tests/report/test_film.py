@@ -173,7 +173,7 @@ def test_on_paper_nothing_is_cut(browser: Any, ulysse_findings: Findings, tmp_pa
 def test_what_if_hardware_is_lost(browser: Any, ulysse_findings: Findings, tmp_path: Path) -> None:
     """Each set of hardware, held against a search on the net that knows no cut sets."""
     tab, wrong = opened(browser, page(ulysse_findings), tmp_path)
-    names = [h.name for h in ulysse_findings.check.mission_net.mission.hardware if h.faulty]
+    names = [h.name for h in ulysse_findings.check.mission_net.core.hardware if h.faulty]
     assert tab.locator("#lost input").count() == len(names)
     seen = set()
     for size in range(len(names) + 1):

@@ -40,7 +40,7 @@ def test_successes_are_ten_times_as_likely_as_failures(mission: Mission, rng: ra
 def test_rates_that_a_mission_gives_count() -> None:
     net = compose(read_mission(ROOT / "experiments" / "rover" / "mission.xml"))
     weight = likelihood(net)
-    given_ = [h for h in net.mission.hardware if h.failure_rate]
+    given_ = [h for h in net.core.hardware if h.failure_rate]
     assert given_
     for hardware in given_:
         assert weight(Event(What.OUT_OF_SERVICE, hardware.name)) == hardware.failure_rate

@@ -152,7 +152,7 @@ def test_cut_sets_read_back_are_ours(mission: Mission) -> None:
 @given(missions(max_sections=8, max_hardware=5))
 def test_the_flat_tree_says_what_it_is_given(mission: Mission) -> None:
     found = compose(mission)
-    hardware = [h.name for h in mission.hardware if h.faulty]
+    hardware = [h.name for h in found.core.hardware if h.faulty]
     if not hardware:
         returns_early("no hardware that fails")
         return

@@ -18,6 +18,7 @@ from mcpn.answers.causes.cutsets import CutSet
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
+from mcpn.mission.passes import core
 from mcpn.mission.robot import Hardware
 from mcpn.mission.xml import read_mission
 from mcpn.report.failures.openpsa import open_psa
@@ -78,7 +79,7 @@ def out_of_service(hardware: Hardware) -> float:
 
 def lost(cut_sets: list[CutSet], mission: Mission) -> float:
     """The probability that some cut set is out of service, by all states of the hardware."""
-    chances = {h.name: out_of_service(h) for h in mission.hardware if h.faulty}
+    chances = {h.name: out_of_service(h) for h in core(mission).hardware if h.faulty}
     total = 0.0
     for states in product((False, True), repeat=len(chances)):
         out = {name for name, state in zip(chances, states, strict=True) if state}
@@ -101,7 +102,7 @@ def compare_with_scram(mission: Mission, folder: Path) -> Counter[str]:
     found, compared = compose(mission), Counter[str]()
     ours, objectives, safety = cut_sets(found, 1000)
     document = open_psa(found.usage, ours, objectives, safety)
-    faulty = [h for h in mission.hardware if h.faulty]
+    faulty = [h for h in found.core.hardware if h.faulty]
     quantitative = any(h.failure_rate is not None for h in faulty)
     tops = {"mission-lost": ours} | {f"objective-{n.replace('.', '-')}": c for n, c in objectives.items()}
     tops |= {} if safety is None else {"robot-lost": safety}

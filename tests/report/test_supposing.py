@@ -30,7 +30,7 @@ def test_losses_are_verified_as_cut_sets_foretell() -> None:
     """Both ways to know it: a mission whose hardware is out of service is verified, and the cut sets."""
     study = open_study(ULYSSE)
     cut_sets = study.causes().mission.cut_sets
-    names = [h.name for h in study.mission_net.mission.hardware]
+    names = [h.name for h in study.mission_net.core.hardware]
     subsets = chain.from_iterable(combinations(names, size) for size in range(len(names) + 1))
     states = set()
     for lost in subsets:

@@ -190,7 +190,7 @@ class ListedChain:
         self.failing = self._hardware_of(What.OUT_OF_SERVICE, carried)
         self.repaired = self._hardware_of(What.REPAIRED, carried)
         self.occurring, self.interrupting = [0.0], np.zeros(self.graph.edges, np.int64)
-        mission = prospects.mission_net.mission
+        mission = prospects.mission_net.core
         rated = [(What.DECLARED, event.name, event.rate) for event in mission.events]
         rated += [(What.DETECTED, k, a.detection_rate) for a in mission.activities for k in a.detects]
         for what, name, rate in rated:
@@ -269,7 +269,7 @@ class ListedChain:
     def degraded(self) -> Mask:
         """States in which some activity runs in another alternative than its first."""
         mission_net = self.prospects.mission_net
-        first = {f"{a.name}.{a.alternatives[0].name}" for a in mission_net.mission.activities}
+        first = {f"{a.name}.{a.alternatives[0].name}" for a in mission_net.core.activities}
         others = [place for place, name in mission_net.saying("active").items() if name not in first]
         return self.prospects.space.marked(others).mask & ~self.ended
 

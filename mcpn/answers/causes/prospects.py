@@ -205,7 +205,7 @@ class Prospects(Generic[S]):
         self.space = space
         self.max_states = max_states
         self.hardware = tuple(
-            h.name for h in mission_net.mission.hardware if ("oos", h.name) in mission_net.by_role
+            h.name for h in mission_net.core.hardware if ("oos", h.name) in mission_net.by_role
         )
         self.sections = {section.name: section for section in mission_net.graph.walk()}
         self.events = mission_net.net.events

@@ -103,7 +103,7 @@ def risk(prospects: Prospects[Any]) -> Risk:
     step(Doing.COMPUTING_RISK)
     limit = MOST_STATES if prospects.max_states is None else prospects.max_states
     model = _sections(prospects, limit)
-    hardware = {h.name: h for h in prospects.mission_net.mission.hardware}
+    hardware = {h.name: h for h in prospects.mission_net.core.hardware}
     rates: dict[Element, tuple[float, float]] = {}
     if isinstance(prospects.space, CompositeSpace):
         rates |= _rates_of_facts(prospects.mission_net)
@@ -145,7 +145,7 @@ def _gain(best: Mapping[str, float], worst: Mapping[str, float], wanted: Collect
 
 def _demands(mission_net: MissionNet) -> dict[str, float]:
     """How probable it is that hardware fails on demand, of what may."""
-    return {h.name: h.demand_probability for h in mission_net.mission.hardware if h.demand_probability}
+    return {h.name: h.demand_probability for h in mission_net.core.hardware if h.demand_probability}
 
 
 def _rates_of_facts(mission_net: MissionNet) -> dict[Element, tuple[float, float]]:
@@ -222,7 +222,7 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
         # Before the start events may change facts, as hardware may fail: what is so at the start has a
         # status. What happens once has not happened then.
         status = tuple(flag for flag in every if flag[0] != "once")
-        if net.mission.crashes:  # importance asks what it means that they had crashed before the start
+        if net.core.crashes:  # importance asks what it means that they had crashed before the start
             net = entered_otherwise(net, [What.OUT_OF_SERVICE])
             prospects = Prospects(net, spaces_of(net).unproved(max_states))
         elif not isinstance(space, ArraySpace):
@@ -264,5 +264,5 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
             objectives,
             placed.routes,
         )
-    idle = [("hardware", crash.name) for crash in net.mission.crashes]
+    idle = [("hardware", crash.name) for crash in net.core.crashes]
     return Sections(sections, net.graph.entry, every, out, idle)

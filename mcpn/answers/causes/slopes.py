@@ -72,7 +72,7 @@ def slopes(chain: WholeChain) -> Mapping[str, float]:
     sure = len(inner) + np.count_nonzero(ends) == chain.states
     gained = -reaching(ends & ~chain.ends["success"]) if sure else reaching(chain.ends["success"])
     found = dict[str, float]()
-    rates = {h.name: h.failure_rate for h in chain.mission_net.mission.hardware}
+    rates = {h.name: h.failure_rate for h in chain.mission_net.core.hardware}
     for number, name in enumerate(chain.hardware):
         if rate := rates[name]:
             own = chain.failing == number

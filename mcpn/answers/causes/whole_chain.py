@@ -86,7 +86,7 @@ def whole_chain(prospects: Prospects[Any], number: Callable[[float], Number] = f
     refuse_unknown(prospects)
     prospects = _listed(prospects, MOST_STATES if prospects.max_states is None else prospects.max_states)
     net, hardware = prospects.mission_net, prospects.hardware
-    known = {h.name: h for h in net.mission.hardware}
+    known = {h.name: h for h in net.core.hardware}
     demands = [number(known[name].demand_probability or 0.0) for name in hardware]
     listed = ListedChain(
         prospects,

@@ -185,7 +185,7 @@ class Helped(Generic[S]):
         return Claim(kind, (hardware,), open_, Assumes(repairs="others"), formula if unrepaired else "")
 
     def _out(self, hardware: str) -> list[int]:
-        faults = [fault.name for fault in self.net.mission.faults if hardware in fault.affects]
+        faults = [fault.name for fault in self.net.core.common_causes if hardware in fault.affects]
         return self.prospects.places("oos", [hardware, *faults])
 
     def _still(self, hardware: str) -> Iterator[Claim]:

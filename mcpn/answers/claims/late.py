@@ -22,7 +22,7 @@ def late_losses(claims: Iterable[Claim], parts: FormulaParts[Any]) -> Iterator[C
     for (kind, (hardware, objective)), claim in held.items():
         formulas = _unnoticed(parts, hardware, objective)
         yield replace(claim, formula=formulas[LATE.index(kind)])
-    for late in (h.name for h in parts.net.mission.late if ("known", h.name) in parts.net.by_role):
+    for late in (h.name for h in parts.net.core.late if ("known", h.name) in parts.net.by_role):
         for objective in plain_names(parts.net, parts.prospects.objectives):
             for kind, formula in zip(LATE, _unnoticed(parts, late, objective), strict=True):
                 if formula and (kind, (late, objective)) not in held:

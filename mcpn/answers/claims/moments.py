@@ -101,8 +101,10 @@ class Moments(Generic[S]):
     @cached_property
     def _plain(self) -> bool:
         """Whether each loss is one of a resource of its own, which may come at any moment."""
-        mission = self.net.mission
-        return len(self.prospects.hardware) <= MOST_NAMED and not mission.faults and not mission.crashes
+        mission = self.net.core
+        return (
+            len(self.prospects.hardware) <= MOST_NAMED and not mission.common_causes and not mission.crashes
+        )
 
     @cached_property
     def _forced(self) -> str:

@@ -147,7 +147,7 @@ class FormulaParts(Generic[S]):
         optional, endless = copies.meant_as("optional"), sorted(copies.meant_as("endless"))
         wanted = [name for name in meant_to_be_entered(self.net) if name not in optional]
         named = [*wanted, *endless]
-        out = any(h.initial == "oos" and h.repairable for h in self.net.mission.hardware)
+        out = any(h.initial == "oos" and h.repairable for h in self.net.core.hardware)
         if out or not steps or not self.mean_one(named):
             return "", ""
         going = " | ".join(f"event({event})" for event in self.nominal)

@@ -63,7 +63,7 @@ def all_claims(check: MissionCheck, causes: Causes | None, rows: Sequence[Row] =
 def _of_goal(causes: Causes, goal: GoalCauses, verb: str, words: str) -> Iterator[Claim]:
     """Of each loss before the start whether it does harm, and the sets of several that do."""
     before, at_worst = f"loss_before_{verb}s", f"losses_{verb}"
-    mission, prospects = causes.mission_net.mission, causes.prospects
+    mission, prospects = causes.mission_net.core, causes.prospects
     certain = causes.safety is not goal or (prospects.safety is not None and not prospects.safety.ends_from)
     yield from claims_of_critical(causes, goal, verb, words, certain)
     reached = prospects.mission if causes.safety is not goal else prospects.safety

@@ -404,7 +404,7 @@ def _verdicts(
 
 def _late(mission_net: MissionNet, alternatives: Space[Any] | None) -> tuple[LateLoss, ...]:
     """What losses that are noticed late cost, where some are."""
-    if alternatives is None or not mission_net.mission.late:
+    if alternatives is None or not mission_net.core.late:
         return ()
     from mcpn.answers.undetected_losses import late_losses
 

@@ -101,7 +101,7 @@ class NominalRuns(Generic[S]):
     def __init__(self, mission_net: MissionNet, space: Space[S], *, settles: bool) -> None:
         self.mission_net, self.space, self.settles = mission_net, space, settles
         self.transitions = frozenset(nominal_transitions(mission_net))
-        hardware = mission_net.mission.hardware
+        hardware = mission_net.core.hardware
         self._out = [h.name for h in hardware if h.initial == "oos" and h.repairable]
         self.begin, self._repairs = space.initial, self._repairing(self._out)
         if self._out:

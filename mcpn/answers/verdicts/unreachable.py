@@ -110,7 +110,7 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
     begun = {activity for section in sections if section.name in entered for activity in section.activities}
     running = frozenset[str]().union(*map(usage.closure, begun))
     problems, used = list[Problem](), set[str]()
-    for activity in mission.activities:
+    for activity in usage.core.activities:
         if activity.name not in usage.started:
             continue
         for alternative in activity.alternatives:
@@ -127,7 +127,7 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
         never = (s for s in sections if s.name in entered and Event(what, s.name) not in happens)
         problems.extend(of_objectives(usage, never, f"can never {verb}"))
     problems.extend(never_entered(usage))
-    problems.extend(never_used(mission, used))
+    problems.extend(never_used(usage.core, used))
     return Never(tuple(in_order(problems)), tuple(in_order(routing.futile())))
 
 

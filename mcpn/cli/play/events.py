@@ -88,7 +88,7 @@ class EventSession(Prompt):
             self.take(event)
             return simulation.marking
 
-        hardware = simulation.mission_net.mission.hardware
+        hardware = simulation.mission_net.core.hardware
         back = frozenset(h.name for h in hardware if h.initial == "oos" and h.repairable)
         nominal_run(lambda: simulation.possible, take, back)
         if simulation.situation.outcome is None:

@@ -134,7 +134,7 @@ def bench(
     if question.as_json:
         emit_json(told)
     else:
-        if means := at_their_means(mission_net.mission):
+        if means := at_their_means(mission_net.core):
             click.echo(means)
         _print(told)
     if not _agrees(told):

@@ -111,7 +111,7 @@ class Canvas(NetBuilder):
         self.roles: MutableMapping[str, Role] = {}
         self.meetings: dict[str, Meeting] = {}
         self.most_combined: int | None = None
-        late = {h.name for h in usage.mission.late}
+        late = {h.name for h in usage.core.late}
         sections = usage.graph.walk() if late else ()
         self._late = {section.name: self._may_use(section.activities, late) for section in sections}
 
@@ -119,7 +119,7 @@ class Canvas(NetBuilder):
         """Hardware detected late that some activities, or those that may produce for them, consume."""
         reached = frozenset[str]().union(*(self.usage.closure(name) for name in activities))
         used = self.usage.resources_of(reached)
-        return [h.name for h in self.usage.mission.late if h.name in used & late]
+        return [h.name for h in self.usage.core.late if h.name in used & late]
 
     def transition(
         self,

@@ -127,7 +127,7 @@ def names_of(usage: Usage) -> NetNames:
 
 
 def _elements(usage: Usage) -> Iterator[tuple[str, str]]:
-    mission = usage.mission
+    mission = usage.core
     yield "mission", mission.name
     crashes = [crash.name for crash in mission.crashes]
     yield from (("hardware", h.name) for h in mission.hardware if h.name not in crashes)

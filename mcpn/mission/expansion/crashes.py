@@ -7,7 +7,7 @@ while the activity runs.
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mcpn.errors import Problem
 from mcpn.mission.robot import Activity, Alternative, Hardware
@@ -48,9 +48,14 @@ def _crash(name: str, activity: Activity, crashing: Activity | Alternative) -> C
     )
 
 
-def may_crash(activity: Activity) -> bool:
-    """Whether the activity, or an alternative of it, may crash."""
-    return activity.faulty or any(way.faulty for way in activity.alternatives)
+def consuming(activities: Iterable[Activity]) -> Iterator[Activity]:
+    """The activities, they and their alternatives also consuming the resources of their crashes."""
+    for activity in activities:
+        ways = []
+        for way in activity.alternatives:
+            own = [activity.name] * activity.faulty + [f"{activity.name}.{way.name}"] * way.faulty
+            ways.append(replace(way, consumes=(*way.consumes, *own)) if own else way)
+        yield replace(activity, alternatives=tuple(ways))
 
 
 def crash_errors(activity: Activity, resources: Container[str]) -> Iterator[Problem]:

@@ -18,6 +18,7 @@ from dataclasses import replace
 from mcpn.mission.model import Mission
 from mcpn.mission.passes.each import each
 from mcpn.mission.passes.early_ends import early_ends
+from mcpn.mission.passes.faults import faults
 from mcpn.mission.passes.guards import guards
 from mcpn.mission.passes.limits import measure
 from mcpn.mission.passes.parameters import parameters
@@ -38,6 +39,7 @@ PASSES: tuple[Callable[[Mission], Mission], ...] = (
     guards,
     early_ends,
     parameters,
+    faults,
 )
 """In the order in which they run."""
 

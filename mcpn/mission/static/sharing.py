@@ -102,7 +102,7 @@ class Sharing:
         """Activities that the end of an objective may make change their alternative."""
         usage = self.usage
         changed = {change.fact for objective in usage.graph.walk() for change in objective.sets}
-        late = {h.name for h in usage.mission.late}
+        late = {h.name for h in usage.core.late}
         return frozenset(
             a
             for a in usage.started

@@ -21,17 +21,22 @@ class Suppliers:
 
     Args:
         mission: A valid mission.
-        graph: Its objectives graph.
+        graph: Its objectives graph, of the whole mission.
+
+    Attributes:
+        core: The core mission: what its hardware and its activities are, common causes written out.
     """
 
     def __init__(self, mission: Mission, graph: ObjectivesGraph) -> None:
+        assert graph.core is not None, "the graph of a whole mission"
         self.mission = mission
+        self.core = core = graph.core
         self.graph = graph
         self.world = FactUsage(mission)
-        self.hardware: Mapping[str, Hardware] = {h.name: h for h in mission.hardware}
-        self.activities: Mapping[str, Activity] = {a.name: a for a in mission.activities}
-        self.producer: Mapping[str, str] = {s: a.name for a in mission.activities for s in a.produces}
-        self._software = {s.name: s for s in mission.software}
+        self.hardware: Mapping[str, Hardware] = {h.name: h for h in core.hardware}
+        self.activities: Mapping[str, Activity] = {a.name: a for a in core.activities}
+        self.producer: Mapping[str, str] = {s: a.name for a in core.activities for s in a.produces}
+        self._software = {s.name: s for s in core.software}
         self._closures: dict[str, frozenset[str]] = {}
         self._heights: dict[str, int] = {}
         self._hardware_under: dict[str, frozenset[str]] = {}

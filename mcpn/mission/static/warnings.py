@@ -67,11 +67,11 @@ def never_entered(usage: Usage) -> Iterator[Problem]:
     return of_objectives(usage, usage.graph.never_entered(), f"{said} it", f"{said} them")
 
 
-def never_used(mission: Mission, used: Collection[str]) -> Iterator[Problem]:
+def never_used(core: Mission, used: Collection[str]) -> Iterator[Problem]:
     """The warnings of resources that nobody uses, in the words of every stage that finds them."""
-    faults = {fault.name for fault in mission.faults}
-    crashes = {crash.name for crash in mission.crashes}  # reported as activities and alternatives
-    for resource in (*mission.hardware, *mission.software):
+    faults = {cause.name for cause in core.common_causes}
+    crashes = {crash.name for crash in core.crashes}  # reported as activities and alternatives
+    for resource in (*core.hardware, *core.software):
         if resource.name in crashes:
             continue
         if resource.name in faults and resource.name not in used:
@@ -85,7 +85,7 @@ def _warnings(usage: Usage) -> Iterator[Problem]:
     started = frozenset(usage.started)
     ways = [way for name in started for way in usage.activities[name].alternatives]
     consumed = {resource for way in ways for resource in way.consumes}
-    for activity in mission.activities:
+    for activity in usage.core.activities:
         if activity.name not in started:
             yield Problem(activity.source, f"activity {activity.name} is never started")
         for number, alternative in enumerate(activity.alternatives[:-1]):
@@ -94,7 +94,7 @@ def _warnings(usage: Usage) -> Iterator[Problem]:
                     message = f"alternative {late.name} is never tried: {alternative.name} is always possible"
                     yield Problem(late.source, message)
                 break
-    yield from never_used(mission, consumed)
+    yield from never_used(usage.core, consumed)
     handled = {i.event for section in graph.all_sections() for i in section.interruptions}
     for event in mission.events:
         if event.name not in handled and not event.changes_facts:

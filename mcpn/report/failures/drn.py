@@ -64,7 +64,7 @@ def _lines(chain: WholeChain) -> Iterator[str]:
         for state in np.flatnonzero(states).tolist():
             told[state].append(label)
     yield f"// The mission {chain.mission_net.mission.name}: rates per hour."
-    if means := at_their_means(chain.mission_net.mission):
+    if means := at_their_means(chain.mission_net.core):
         yield f"// Rates are {means}."
     for name, label in labels.items():
         yield f"// {label}: the objective {name} runs"

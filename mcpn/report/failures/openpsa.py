@@ -99,7 +99,7 @@ def beside_the_tree(usage: Usage, cut_sets: Iterable[CutSet], worst: Sequence[Cu
         cut_sets: The minimal cut sets of the tree's top gates.
         worst: What defeats the mission only where it is lost at the worst moment.
     """
-    mission = usage.mission
+    mission = usage.core
     sections = list(usage.graph.walk())
     given = {
         "demand_probability": [h.name for h in mission.hardware if h.demand_probability],
@@ -143,7 +143,7 @@ class FaultTree:
 
     def __init__(self, usage: Usage) -> None:
         self.usage = usage
-        self.hardware = [hardware for hardware in usage.mission.hardware if hardware.faulty]
+        self.hardware = [hardware for hardware in usage.core.hardware if hardware.faulty]
         self.gates: dict[str, Formula] = {}
         self.images = ImageStore(len(self.hardware))
         self._functions: dict[Reference, Zdd] = {

@@ -55,7 +55,7 @@ def _single_losses(findings: Findings) -> Iterator[Tick]:
 
 
 def _hardware(findings: Findings) -> set[str]:
-    return {hardware.name for hardware in findings.check.mission_net.mission.hardware}
+    return {hardware.name for hardware in findings.check.mission_net.core.hardware}
 
 
 def _together(claims: Sequence[Claim]) -> Iterator[tuple[str, list[str]]]:
@@ -78,7 +78,7 @@ def _ignored(findings: Findings) -> Iterator[Tick]:
 
 
 def _late(findings: Findings) -> Iterator[Tick]:
-    mission = findings.check.mission_net.mission
+    mission = findings.check.mission_net.core
     for hardware in mission.late:
         finders = [a.name for a in mission.activities if hardware.name in a.detects]
         by = f"{_named(finders)} runs, or " if finders else ""
@@ -90,7 +90,7 @@ def _late(findings: Findings) -> Iterator[Tick]:
 
 
 def _granted(findings: Findings) -> Iterator[Tick]:
-    if sound := [h.name for h in findings.check.mission_net.mission.hardware if not h.faulty]:
+    if sound := [h.name for h in findings.check.mission_net.core.hardware if not h.faulty]:
         yield Tick(
             f"Check that {_named(sound)} cannot fail.", "The mission says so, and the proof believes it."
         )

@@ -68,7 +68,7 @@ def _conditions(findings: Findings) -> Iterator[str]:
         unsaid = [c for c in findings.claims if c.kind == "says_what_is_safe" and not c.holds]
         yield from sentences([*unsaid, *findings.held("abort_after")], MOST_FIRST)
     yield from sentences(findings.held("ignored"), MOST_FIRST, differ=1)
-    if late := [h.name for h in findings.check.mission_net.mission.late]:
+    if late := [h.name for h in findings.check.mission_net.core.late]:
         yield f"The loss of {shortened(late)} is noticed late."
 
 
@@ -210,7 +210,7 @@ def _survived(findings: Findings, causes: Causes) -> Iterator[StoryLine]:
     if said := kept(findings.claims, "defeat", causes.unused):
         yield StoryLine("holds", "What does it survive?", " ".join(said))
     alone = {lost[0] for lost in causes.mission.cut_sets if len(lost) == 1}
-    faulty = [h.name for h in findings.check.mission_net.mission.hardware if h.faulty]
+    faulty = [h.name for h in findings.check.mission_net.core.hardware if h.faulty]
     if () not in causes.mission.cut_sets:
         yield from _left_out(findings, causes, [name for name in faulty if name not in alone])
 
@@ -296,7 +296,7 @@ def _required(check: MissionCheck) -> Iterator[StoryLine]:
 
 def _granted(check: MissionCheck) -> Iterator[StoryLine]:
     """Hardware that the mission declares not to fail: the page says nothing of its loss."""
-    if sound := [h.name for h in check.mission_net.mission.hardware if not h.faulty]:
+    if sound := [h.name for h in check.mission_net.core.hardware if not h.faulty]:
         more = f" and {len(sound) - MOST_TOLD} more" if len(sound) > MOST_TOLD else ""
         said = f"That these never fail, as the mission says of them: {', '.join(sound[:MOST_TOLD])}{more}."
         yield StoryLine("note", "What is taken for granted?", said)

@@ -223,7 +223,7 @@ def _modes(check: MissionCheck) -> Table:
         for activity in check.mission_net.usage.activities.values()
         for alternative in activity.alternatives
     }
-    hardware = {h.name for h in check.mission_net.mission.hardware if h.faulty}
+    hardware = {h.name for h in check.mission_net.core.hardware if h.faulty}
     needed: dict[str, set[str]] = {}  # of modes with equal words, what all of them need
     for modes in check.modes.values():
         for mode, words in ((mode, modes_in_words([mode])[0]) for mode in modes):

@@ -21,7 +21,7 @@ class ActivityMachine(TemplateMachine):
         """Length of the run when something happened last."""
         self.was_refused = False
         """Whether it was refused then."""
-        (self.drawn,) = (a for a in self.mission.activities if a.name == self.element[1])
+        (self.drawn,) = (a for a in self.alone.usage.core.activities if a.name == self.element[1])
         self.consumed = list(dict.fromkeys(k for way in self.drawn.alternatives for k in way.consumes))
 
     def resource(self, k: str) -> tuple[str, str]:

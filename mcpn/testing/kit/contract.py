@@ -185,7 +185,7 @@ def _changed_together(usage: Usage, one: str, other: str) -> bool:
 
 def _loses(usage: Usage, hardware: str, activity: str) -> bool:
     """Whether an activity finds out that some hardware is lost, or that hardware stands for its crash."""
-    crashes = {crash.name: crash.activity for crash in usage.mission.crashes}
+    crashes = {crash.name: crash.activity for crash in usage.core.crashes}
     return hardware in usage.activities[activity].detects or crashes.get(hardware) == activity
 
 

@@ -31,7 +31,7 @@ def invariants_of_units(subject: Subject) -> None:
         places = ", ".join(subject.net.places[place].name for place in unit)
         said = subject.markings.tokens(dict.fromkeys(unit, 1))
         subject.require(said <= 1, f"the templates say that one of these is marked at a time: {places}")
-    for hardware in found.mission.hardware:
+    for hardware in found.core.hardware:
         name = hardware.name
         said = tokens(
             subject, name, *(part for parts in states_of(subject.templates).values() for part in parts)
@@ -69,7 +69,7 @@ def promises_at_rest(subject: Subject) -> None:
         Violation: It is not so.
     """
     found = subject.mission_net
-    for hardware in found.mission.hardware:
+    for hardware in found.core.hardware:
         lasting = [
             part
             for state, parts in states_of(subject.templates).items()

@@ -133,7 +133,7 @@ def refused_for_a_reason(subject: Subject) -> None:
             marked |= graph.marked(place)
         return marked
 
-    for activity in found.mission.activities:
+    for activity in found.core.activities:
         refused = said("refused", activity.name)
         if not refused.any() or activity.requires or found.usage.may_wait(activity.name):
             continue

@@ -1,50 +1,12 @@
-"""Faults that are hardware resources of their own: common causes of several losses.
-
-A common cause takes several hardware resources out of service with one event. It becomes a shared hardware
-resource: every alternative that consumes hardware which the cause affects consumes the cause too. So the
-cause fails and is repaired as hardware is, every user of affected hardware gets the error, and the affected
-hardware may still fail by itself.
-
-Source: K. N. Fleming, *A reliability model for common mode failures in redundant safety systems*, 1975.
-"""
+"""What is wrong with hardware and with faults as robots declare them: rates, repairs, what is affected."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
 
 from mcpn.did_you_mean import Hints
 from mcpn.errors import Problem
-from mcpn.mission.expansion.crashes import may_crash
-from mcpn.mission.robot import Activity, Fault, Hardware, Robot
-
-
-def as_hardware(faults: Iterable[Fault]) -> Iterator[Hardware]:
-    """The resources that stand for faults."""
-    for fault in faults:
-        yield Hardware(
-            name=fault.name,
-            description=fault.description,
-            shared=True,
-            repairable=fault.repairable,
-            failure_rate=fault.failure_rate,
-            repair_rate=fault.repair_rate,
-            source=fault.source,
-        )
-
-
-def consuming(activities: Iterable[Activity], faults: Sequence[Fault]) -> Iterator[Activity]:
-    """The activities, their alternatives also consuming the resources of their faults and their crashes."""
-    for activity in activities:
-        if not faults and not may_crash(activity):
-            yield activity
-            continue
-        ways = []
-        for way in activity.alternatives:
-            causes = [f.name for f in faults if not set(f.affects).isdisjoint(way.consumes)]
-            causes += [activity.name] * activity.faulty + [f"{activity.name}.{way.name}"] * way.faulty
-            ways.append(replace(way, consumes=(*way.consumes, *causes)) if causes else way)
-        yield replace(activity, alternatives=tuple(ways))
+from mcpn.mission.robot import Fault, Hardware, Robot
 
 
 def failure_errors(robots: Sequence[Robot], hints: Hints) -> Iterator[Problem]:
@@ -78,10 +40,14 @@ def failure_errors(robots: Sequence[Robot], hints: Hints) -> Iterator[Problem]:
             yield Problem(h.source, message)
         elif not h.repairable:
             yield from _repaired(h)
-    for fault in (fault for robot in robots for fault in robot.faults):
+        if h.affects and not h.shared:
+            yield Problem(h.source, f"{h.name} stands for a common cause: expected it shared")
+    causes: list[Fault | Hardware] = [fault for robot in robots for fault in robot.faults]
+    causes += (h for h in hardware.values() if h.affects)
+    for fault in causes:
         if not fault.affects:
             yield Problem(fault.source, f"fault {fault.name} affects nothing, expected names of hardware")
-        if not fault.repairable:
+        if isinstance(fault, Fault) and not fault.repairable:
             yield from _repaired(fault)
         for name in dict.fromkeys(fault.affects):
             if name in software:
