@@ -7,10 +7,9 @@ from typing import Any
 
 from mcpn.certificates.certcheck import VERSION
 from mcpn.drawing.compose import MissionNet
-from mcpn.mission.expansion.crashes import Crash
 from mcpn.mission.expansion.routes import Condition, FactCase, Interruption
 from mcpn.mission.graph import TIMED_OUT, ElementarySection, ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.robot import Activity, Hardware
+from mcpn.mission.robot import Activity, Crash, Hardware
 from mcpn.mission.static.resource_use import Usage
 
 Entry = dict[str, Any]

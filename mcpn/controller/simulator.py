@@ -17,7 +17,7 @@ from mcpn.controller.run_to_completion import Runner
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
 from mcpn.events import Event, What
-from mcpn.mission.expansion.crashes import Crash
+from mcpn.mission.robot import Crash
 
 MAX_VISITED = 200_000
 """Stable markings that one search may look at."""

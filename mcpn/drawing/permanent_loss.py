@@ -5,7 +5,7 @@ it is out of service, and a repair reads that it is alive. Whether a goal can be
 hardware is lost for good is then reachability in this net, and minimal cut sets are a projection on the
 places *dead*.
 
-The resource that stands for a crash of an activity (:class:`mcpn.mission.expansion.crashes.Crash`) fails only
+The resource that stands for a crash of an activity (:class:`mcpn.mission.robot.Crash`) fails only
 while the activity runs. Two analyses need it to fail at other moments: a part of a mission may be entered
 after the crash, as with any other status (:func:`entered_otherwise`), and what its loss leads to is asked of
 any moment, as of hardware (:func:`crashing_anytime`).

@@ -20,9 +20,8 @@ from mcpn.drawing.templates.canvas import Role
 from mcpn.events import Event, What
 from mcpn.mission.conditions import all_flags
 from mcpn.mission.conditions import flags as flags_by_value
-from mcpn.mission.expansion.crashes import Crash
 from mcpn.mission.expansion.detection import noticed
-from mcpn.mission.robot import Fact, Hardware
+from mcpn.mission.robot import Crash, Fact, Hardware
 
 Element: TypeAlias = tuple[str, str]
 """The kind and the name of an element, as provenances of places have them, or of a flag."""

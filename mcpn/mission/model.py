@@ -18,7 +18,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Annotated, TypeAlias
 
-from mcpn.mission.expansion.crashes import Crash, as_crashes, consuming
 from mcpn.mission.language.datatypes import (
     COUNT,
     FAITH,
@@ -52,6 +51,7 @@ from mcpn.mission.language.datatypes import (
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import (
     Activity,
+    Crash,
     DeclaredEvent,
     Described,
     Element,
@@ -414,7 +414,7 @@ class Mission(Drawn, Element):
             "blocks": sum(1 for _ in walk(self.blocks)),
             "protocols": len(self.protocols),
             "activities": len(self.activities),
-            "hardware": len(self.hardware) + len(self.faults),
+            "hardware": len(self.hardware) + len(self.faults) + self._crashing,
         }
         return f"<mission {self.name}: {', '.join(f'{n} {what}' for what, n in sizes.items())}>"
 
@@ -426,7 +426,7 @@ class Mission(Drawn, Element):
 
     @property
     def hardware(self) -> tuple[Hardware, ...]:
-        """All hardware resources, in document order, then those that stand for crashes."""
+        """All hardware resources, in document order, then what stands for crashes in a core mission."""
         return (*(resource for robot in self.robots for resource in robot.hardware), *self.crashes)
 
     @property
@@ -446,8 +446,13 @@ class Mission(Drawn, Element):
 
     @property
     def crashes(self) -> tuple[Crash, ...]:
-        """What stands for activities and alternatives that may crash, in document order."""
-        return tuple(as_crashes(activity for robot in self.robots for activity in robot.activities))
+        """Of a core mission: what stands for activities and alternatives that crash, in document order."""
+        return tuple(crash for robot in self.robots for crash in robot.crashes)
+
+    @property
+    def _crashing(self) -> int:
+        ways = (way for activity in self.activities for way in activity.alternatives)
+        return sum(activity.faulty for activity in self.activities) + sum(way.faulty for way in ways)
 
     @property
     def software(self) -> tuple[Software, ...]:
@@ -456,8 +461,8 @@ class Mission(Drawn, Element):
 
     @property
     def activities(self) -> tuple[Activity, ...]:
-        """All activities, in document order; they use what stands for crashes, too."""
-        return tuple(consuming(activity for robot in self.robots for activity in robot.activities))
+        """All activities, in document order."""
+        return tuple(activity for robot in self.robots for activity in robot.activities)
 
     @property
     def facts(self) -> tuple[Fact, ...]:

@@ -14,6 +14,7 @@ from typing import Annotated
 from mcpn.errors import Source
 from mcpn.mission.language.datatypes import (
     DETECTION,
+    NAME,
     OCCASION,
     STATUS,
     VALUE,
@@ -90,6 +91,23 @@ class Hardware(Element):
     affects: Annotated[
         Resources, Core(), "It stands for a common cause, which takes this hardware out of service."
     ] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Crash(Hardware):
+    """What an activity that may crash consumes; it goes out of service only while the activity runs.
+
+    Its name is that of the activity, or of the activity and of an alternative that may: localise.by_scan.
+    """
+
+    TAG = "crash"
+    faulty: bool = field(default=True, init=False)
+    shared: bool = field(default=False, init=False)
+    initial: str = field(default="service", init=False)
+    detected: str = field(default="at_once", init=False)
+    demand_probability: float | None = field(default=None, init=False)
+    affects: tuple[str, ...] = field(default=(), init=False)
+    activity: Annotated[str, NAME.to("activity"), "The activity."]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -234,6 +252,7 @@ class Robot(Element):
 
     TAG = "robot"
     hardware: tuple[Hardware, ...] = ()
+    crashes: Annotated[tuple[Crash, ...], Core()] = ()
     faults: tuple[Fault, ...] = ()
     software: tuple[Software, ...] = ()
     facts: tuple[Fact, ...] = ()

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from mcpn.did_you_mean import Hints
 from mcpn.errors import InputError, Problem
 from mcpn.mission.block_errors import BlockErrors, undeclared
-from mcpn.mission.expansion.crashes import Crash, crash_errors
+from mcpn.mission.crash_errors import crash_errors, standing_errors
 from mcpn.mission.expansion.detection import detected_twice, detection_errors
 from mcpn.mission.fact_errors import fact_errors
 from mcpn.mission.field_types import wrong_types
@@ -26,7 +26,7 @@ from mcpn.mission.model import (
     walk,
 )
 from mcpn.mission.requirement import Requirement
-from mcpn.mission.robot import Activity, Described, Element, Parameter
+from mcpn.mission.robot import Activity, Crash, Described, Element, Parameter
 
 MAX_CONSUMED = 1_000
 """Resources of one alternative: the net has arcs from the loss of each to all the others."""
@@ -71,11 +71,10 @@ class _Checks:
         self.mission = mission
         self.before = before
         self.activities: Mapping[str, Activity] = {a.name: a for a in mission.activities}
-        # As declared: mission.hardware also has the resources of crashes, which nobody names.
-        self.hardware = {h.name: h for robot in mission.robots for h in robot.hardware}
+        self.hardware = {h.name: h for h in mission.hardware}
         self.software = {s.name: s for s in mission.software}
         self.resources: Mapping[str, Element] = {**self.hardware, **self.software}
-        self.standing = {cause.name for cause in mission.common_causes}
+        self.standing = {each.name for each in (*mission.common_causes, *mission.crashes)}
         self.named = {*self.resources, *(fault.name for fault in mission.faults)}
         self.hints = Hints()
         self.of_blocks = BlockErrors(mission, self.hints)
@@ -94,7 +93,7 @@ class _Checks:
             yield from self.attributes(element)
         yield from duplicates("robot", mission.robots)
         resources = (*mission.hardware, *mission.faults, *mission.software)
-        yield from duplicates("resource", (r for r in resources if not isinstance(r, Crash)))
+        yield from duplicates("resource", resources)
         yield from duplicates("activity", mission.activities)
         yield from duplicates("fact", mission.facts)
         yield from duplicates("event", mission.events)
@@ -104,6 +103,8 @@ class _Checks:
         for requirement in mission.all_requirements:
             yield from self.requirement(requirement)
         yield from failure_errors(mission.robots, self.hints)
+        for crash in mission.crashes:
+            yield from standing_errors(crash, self.activities)
         yield from detected_twice(mission.activities)
         yield from self.products()
         yield from fact_errors(mission, self.hints)
@@ -130,7 +131,7 @@ class _Checks:
 
     def attributes(self, element: Element) -> Iterator[Problem]:
         """What one element says, by itself."""
-        datatype = CORE_NAME if self.mission.core and isinstance(element, BlockElement) else NAME
+        datatype = CORE_NAME if self.mission.core and isinstance(element, BlockElement | Crash) else NAME
         if not datatype.matches(element.name):
             found = f"the name {element.name!r} is not allowed"
             yield Problem(element.source, f"{found}, expected {datatype.expected}")

@@ -154,7 +154,7 @@ class _MissionReader:
         """Reads an element of a file that fits the schema, and collects robots and protocols."""
         texts = {str(name): str(text) for name, text in element.attrib.items()}
         tag = tag_of(element)
-        kind = language()[tag].form(texts)
+        kind = language(core=True)[tag].form(texts)
         form = form_of(kind)
         source = self.source(element)
         values = _said(texts, form.said()) | {"source": source}
@@ -163,7 +163,7 @@ class _MissionReader:
         made = self.members(element, before, edit)
         members = [each.value for each in made]
         for content in form.held() if members else ():
-            values[content.name] = tuple(member for member in members if isinstance(member, content.classes))
+            values[content.name] = tuple(member for member in members if type(member) in content.classes)
         for content in form.contents:
             if (brief := content.short) and not values.get(content.name):
                 single = {"name": values["name"], "source": source} | _said(texts, (brief,))

@@ -20,9 +20,8 @@ from hypothesis import strategies as st
 
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.events import START, Event, What
-from mcpn.mission.expansion.crashes import Crash
 from mcpn.mission.model import Block, Handler, Holder, Mission, Objective, Parallel
-from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware
+from mcpn.mission.robot import Activity, Alternative, Crash, DeclaredEvent, Hardware
 from mcpn.spaces.stable.alternatives import AlternativesGraph, direct
 from mcpn.testing import Shape, missions
 from tests.logic.oracle import Play

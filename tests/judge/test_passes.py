@@ -9,6 +9,7 @@ from mcpn.mission.model import Each, EntryGuard, Handler, Mission, Recursive, wa
 from mcpn.mission.passes import PASSES, core
 from mcpn.testing.elements import (
     COMMON_CAUSES,
+    CRASHING,
     EARLY,
     GUARDED,
     IN_ROUNDS,
@@ -39,6 +40,7 @@ WRITTEN_OUT = st.one_of(
     RECOVERING,
     EARLY,
     COMMON_CAUSES,
+    CRASHING,
 )
 
 
@@ -109,6 +111,17 @@ def test_the_judge_gives_the_same_before_and_after_common_causes_are_hardware(of
     assert not rewritten.faults
     written = core(of, until="parameters")
     assume(not whole_names_copied(written))
+    assert alike(Interpreter(written), Interpreter(rewritten)) > 1
+
+
+@fewer(0.2)
+@given(CRASHING)
+def test_the_judge_gives_the_same_before_and_after_crashes_are_resources(of: Mission) -> None:
+    written = core(of, until="faults")
+    assume(not pauses(of) and not whole_names_copied(written))
+    rewritten = core(of, until="crashes")
+    assume(rewritten.crashes)
+    assert not any(a.faulty or any(way.faulty for way in a.alternatives) for a in rewritten.activities)
     assert alike(Interpreter(written), Interpreter(rewritten)) > 1
 
 

@@ -15,7 +15,7 @@ from mcpn.mission.expansion.helpers import problems
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Each, FactRoute, Handler, Mission, Objective, Parallel, Recursive, Use, walk
 from mcpn.mission.passes import PASSES, core
-from mcpn.mission.robot import DeclaredEvent, Fact, Hardware
+from mcpn.mission.robot import Crash, DeclaredEvent, Fact, Hardware
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import read_mission
 from mcpn.testing.elements import WIDEST
@@ -161,6 +161,66 @@ def test_missions_of_authors_have_no_hardware_that_stands_for_common_causes() ->
     h = Hardware(name="h")
     of = robot((h, Hardware(name="w", shared=True, affects=("h",))), activity("a", ("h",)))
     with pytest.raises(InputError, match="w has affects, though the mission is no core mission"):
+        flatten(mission(of, Objective(name="o", activities=("a",))))
+
+
+CRASHES = """<mission name="m" xmlns="urn:mcpn:mission:1">
+  <robot name="r">
+    <hardware name="lidar"/>
+    <activity name="find" faulty="true" recovers="false" failure_rate="2">
+      <alternative name="by_scan" consumes="lidar" faulty="true" failure_rate="3" repair_rate="4"/>
+      <alternative name="by_hand"/>
+    </activity>
+    <activity name="go"/>
+  </robot>
+  <objective name="o" activities="find go"/>
+</mission>"""
+
+
+def test_what_may_crash_consumes_what_stands_for_that(tmp_path: Path) -> None:
+    (path := tmp_path / "m.xml").write_text(CRASHES)
+    written = core(of := read_mission(path))
+    find, go = written.activities
+    assert [(find.faulty, find.recovers, find.failure_rate), go] == [(False, True, None), of.activities[1]]
+    assert [way.consumes for way in find.alternatives] == [("lidar", "find", "find.by_scan"), ("find",)]
+    scan = find.alternatives[0]
+    assert (scan.faulty, scan.failure_rate, scan.repair_rate) == (False, None, None)
+    assert [h.name for h in written.hardware] == ["lidar", "find", "find.by_scan"]
+    told = [(c.activity, c.repairable, c.failure_rate, c.repair_rate) for c in written.crashes]
+    assert told == [("find", False, 2.0, None), ("find", True, 3.0, 4.0)]
+    lines = of.activities[0].source, of.activities[0].alternatives[0].source
+    assert tuple(c.source for c in written.crashes) == lines
+    path.write_bytes(text := write_mission(written))
+    assert read_mission(path) == written
+    for old, new, found in (
+        (b' core="true"', b"", "found <crash> inside <robot>"),
+        (
+            b'<crash name="find"',
+            b'<crash faulty="false" name="find"',
+            "found the attribute faulty on <crash>",
+        ),
+        (b'activity="find"', b'activity="fund"', "find is of activity fund, which is not declared"),
+        (
+            b'<activity name="go"',
+            b'<activity name="go" consumes="find"',
+            "go consumes find, which stands",
+        ),
+        (
+            b'repairable="false"',
+            b'repairable="false" repair_rate="1"',
+            "find has a repair_rate, though it",
+        ),
+        (b'<crash name="find"', b'<crash name="lidar"', "resource lidar is declared twice"),
+    ):
+        assert old in text
+        path.write_bytes(text.replace(old, new, 1))
+        with pytest.raises(InputError, match=found):
+            read_mission(path)
+
+
+def test_missions_of_authors_hold_nothing_that_stands_for_crashes() -> None:
+    of = replace(robot((), activity("a", ())), crashes=(Crash(name="a", activity="a"),))
+    with pytest.raises(InputError, match="has crashes, though the mission is no core mission"):
         flatten(mission(of, Objective(name="o", activities=("a",))))
 
 

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 
 from mcpn.drawing.templates.canvas import Canvas, Pen
 from mcpn.events import Event, What
-from mcpn.mission.expansion.crashes import Crash
-from mcpn.mission.robot import Activity, Hardware, Software
+from mcpn.mission.robot import Activity, Crash, Hardware, Software
 
 
 def draw_hardware(canvas: Canvas, resource: Hardware) -> None:

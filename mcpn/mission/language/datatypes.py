@@ -83,6 +83,12 @@ NAMES = Datatype(
     _split,
     " ".join,
 )
+CORE_NAMES = replace(
+    NAMES,
+    pattern=rf"\s*({_LETTER}[A-Za-z0-9_.]*\s+)*({_LETTER}[A-Za-z0-9_.]*)?",
+    expected="names of letters, digits and _, separated by spaces, perhaps qualified: localise.by_scan",
+)
+"""Names in core missions."""
 LOCATIONS = Datatype(
     "objectives",
     "objectives",

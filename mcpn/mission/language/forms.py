@@ -16,6 +16,7 @@ from typing import Any, NamedTuple, TypeAlias, TypeVar, Union, get_args, get_ori
 from mcpn.mission.language.datatypes import (
     BY_CLASS,
     CORE_NAME,
+    CORE_NAMES,
     CORE_OUTCOME,
     Called,
     Children,
@@ -34,7 +35,7 @@ _Element: TypeAlias = type[Described]
 _Note = TypeVar("_Note")
 
 
-_IN_CORE = {datatype.name: datatype for datatype in (CORE_NAME, CORE_OUTCOME)}
+_IN_CORE = {datatype.name: datatype for datatype in (CORE_NAME, CORE_NAMES, CORE_OUTCOME)}
 
 
 class Field(NamedTuple):
@@ -134,7 +135,9 @@ def form_of(element: type) -> Form:
     """The form of a class of the model: how files write it. Computed once for each class."""
     if element not in _forms:
         owners = (base for base in reversed(element.__mro__) if "__dataclass_fields__" in vars(base))
-        fields = tuple({f.name: f for owner in owners for f in _declared(owner)}.values())
+        said = {f.name for f in dataclasses.fields(element) if f.init}
+        known = {f.name: f for owner in owners for f in _declared(owner)}
+        fields = tuple(field for name, field in known.items() if name in said)
         attributes = sorted(
             (f for f in fields if f.type and not f.core), key=lambda f: (f.owner is Described, not f.required)
         )
@@ -235,7 +238,8 @@ def language(*, core: bool = False) -> dict[str, Tag]:
 def _tag(classes: tuple[_Element, ...], *, core: bool) -> Tag:
     forms = [form_of(each) for each in classes]
     attributes = {a.tag: as_read(a, core=core) for form in forms for a in form.said(core=core)}
-    attributes |= {c.short.tag: c.short for form in forms for c in form.contents if c.short}
+    shorts = [c.short for form in forms for c in form.contents if c.short]
+    attributes |= {short.tag: as_read(short, core=core) for short in shorts}
     required = frozenset.intersection(*(frozenset(a.tag for a in f.attributes if a.required) for f in forms))
     children = frozenset(child.TAG for each in classes for child in inside(each, core=core))
     return Tag(classes, attributes, required, children)

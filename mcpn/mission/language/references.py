@@ -158,7 +158,7 @@ def unseen(mission: Element, before: Element | None = None) -> Iterator[Element]
         element, old = stack.pop()
         if isinstance(element, Element):
             yield element
-        for content in reversed(form_of(type(element)).contents):
+        for content in reversed([*form_of(type(element)).held()]):
             members, others = getattr(element, content.name), getattr(old, content.name, ())
             known = set(map(id, others))
             alike = others if len(others) == len(members) else (None,) * len(members)

@@ -114,7 +114,7 @@ def _variants(tag: Tag, *, core: bool) -> Iterator[tuple[list[Field], list[str],
         needed = [child.TAG for each in held if each.required for child in each.elements(core=core)]
         for content in held:
             if content.short:
-                yield [*said, content.short], free, []
+                yield [*said, as_read(content.short, core=core)], free, []
         yield said, free, needed
 
 

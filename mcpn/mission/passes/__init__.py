@@ -16,6 +16,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from mcpn.mission.model import Mission
+from mcpn.mission.passes.crashes import crashes
 from mcpn.mission.passes.each import each
 from mcpn.mission.passes.early_ends import early_ends
 from mcpn.mission.passes.faults import faults
@@ -40,6 +41,7 @@ PASSES: tuple[Callable[[Mission], Mission], ...] = (
     early_ends,
     parameters,
     faults,
+    crashes,
 )
 """In the order in which they run."""
 

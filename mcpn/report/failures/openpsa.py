@@ -28,10 +28,9 @@ from lxml import etree
 from mcpn._kernel import Zdd
 from mcpn.answers.causes.cutsets import CutSet
 from mcpn.errors import LimitError
-from mcpn.mission.expansion.crashes import Crash
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
-from mcpn.mission.robot import Hardware
+from mcpn.mission.robot import Crash, Hardware
 from mcpn.mission.static.intervals import at_their_means
 from mcpn.mission.static.resource_use import Usage
 from mcpn.report.terminal import plain

@@ -124,6 +124,7 @@ class Interpreter:
         hardware = [h for robot in mission.robots for h in robot.hardware]
         self.lasting = {h.name for h in hardware if not h.repairable}
         self.lasting |= {f.name for robot in mission.robots for f in robot.faults if not f.repairable}
+        self.lasting |= {c.name for robot in mission.robots for c in robot.crashes if not c.repairable}
         for activity in self.robot.activities.values():
             self.lasting |= {activity.name} if activity.faulty and not activity.recovers else set()
             ways = (way.name for way in activity.alternatives if way.faulty and not way.recovers)

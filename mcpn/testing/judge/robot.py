@@ -90,7 +90,8 @@ class Reactions:
     def __init__(self, mission: Mission) -> None:
         declared = [activity for robot in mission.robots for activity in robot.activities]
         self.activities = {activity.name: activity for activity in declared}
-        self.hardware = {h.name: h for robot in mission.robots for h in robot.hardware}
+        self.hardware = {h.name: h for robot in mission.robots for h in (*robot.hardware, *robot.crashes)}
+        self.written_crashes = {crash.name for robot in mission.robots for crash in robot.crashes}
         self.faults = {f.name: frozenset(f.affects) for robot in mission.robots for f in robot.faults}
         self.producer = {s: a.name for a in declared for s in a.produces}
         self.exclusive = {h.name for h in self.hardware.values() if not h.shared}
@@ -204,6 +205,7 @@ class Reactions:
             yield name
         if (way := activity.alternatives[rank]).faulty:
             yield f"{name}.{way.name}"
+        yield from self.written_crashes.intersection(way.consumes)
 
     def unusable(self, out: frozenset[str]) -> frozenset[str]:
         """Hardware that is out of service, by itself or by a fault."""
