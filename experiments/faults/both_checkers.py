@@ -14,7 +14,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from mcpn.certificates import certcheck, corecheck, diagcheck, furthercheck
+from mcpn.certificates import certcheck, corecheck, ctlcheck, diagcheck, furthercheck
 from mcpn.certificates.sections import sectioncheck
 
 SOURCES = Path(__file__).resolve().parents[2] / "tests" / "certificates"
@@ -64,6 +64,21 @@ def proved(of: str, entries: Mapping[str, Any], second: bool = False) -> tuple[s
         return first, _by_the_second(PROGRAMS[of][1], path) if second else first
 
 
+def accepted(
+    net: Mapping[str, Any], controller: Mapping[str, Any], second: bool = False
+) -> tuple[set[str], set[str]]:
+    """As :func:`proved`, of a controller beside a net: its one key is ``controller``."""
+    with written({"net": net}) as path, tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+        json.dump(controller, file)
+        file.flush()
+        try:
+            report = ctlcheck.checked(path, file.name, most=MOST, seconds=SECONDS)
+        except (certcheck.Malformed, certcheck.Limit):
+            report = []
+        first = {key for how, key, _ in report if how == "proved"}
+        return first, _by_the_second("controller_checker", path, file.name) if second else first
+
+
 def _by_python(of: str, path: str) -> set[str]:
     try:
         found = PROGRAMS[of][0].checked(path, most=MOST, seconds=SECONDS)
@@ -72,9 +87,10 @@ def _by_python(of: str, path: str) -> set[str]:
     return {key for how, key, _ in found if how == "proved"}
 
 
-def _by_the_second(name: str, path: str) -> set[str]:
+def _by_the_second(name: str, *paths: str) -> set[str]:
     run = subprocess.run(
-        [compiled(name), path, "--seconds", str(SECONDS)], check=False, capture_output=True, text=True
+        [compiled(name), *paths, "--seconds", str(SECONDS)], check=False, capture_output=True, text=True
     )
     lines = run.stdout.splitlines()
-    return {line.removeprefix("proved ") for line in lines if line.startswith("proved ")}
+    found = {line.removeprefix("proved ") for line in lines if line.startswith("proved ")}
+    return {"controller"} if name == "controller_checker" and found else found

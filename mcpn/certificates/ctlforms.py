@@ -108,7 +108,11 @@ class PlacedTable(PlacedType):
             if not isinstance(edge["to"], str):
                 numbers([edge["to"]], len(row["states"]))
             self.moves[edge["from"]].setdefault(edge["event"], []).append(edge)
-        numbers([entry["to"] for entry in row["entries"] if entry], len(row["states"]))
+            part(edge["open"] + edge["happened"], row["once"])
+        entries = [entry for entry in row["entries"] if entry]
+        numbers([entry["to"] for entry in entries], len(row["states"]))
+        for each in (*entries, *row["edges"]):
+            part(each["gained"] + each["lost"], row["facts"])
 
     def flags(self, item: Json, key: str) -> frozenset[str]:
         """The facts, and handlers that happen once, that an entry or an edge names."""
@@ -250,6 +254,13 @@ def numbers(found: list[Json], below: int) -> list[int]:
         fine, f"found {str(found)[:60]}, expected numbers from 0, below {below}", certcheck.Malformed
     )
     return found
+
+
+def part(names: list[str], whole: list[str]) -> None:
+    """Malformed unless all names are among some."""
+    certcheck.need(
+        set(names) <= set(whole), f"found {names}, expected some of {whole}"[:200], certcheck.Malformed
+    )
 
 
 def mask(bits: list[Json], below: int) -> int:

@@ -17,10 +17,14 @@ from experiments.faults.core_mutants import change_controller, originals, plain
 from mcpn.certificates import certcheck, ctlcheck
 from mcpn.certificates.net_entry import net_entry
 from mcpn.controller.document import document
+from mcpn.errors import McpnError
+from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.study import Study
+from tests.certificates.test_modular_controllers import DRAWN, EXPERIMENTS, FEW, listed, made
 from tests.certificates.test_second_checker import compiled
 from tests.conftest import ULYSSE
+from tests.draws import campaign
 
 Document = dict[str, Any]
 WORDS = {0: "proved", 1: "refuted", 2: "not checked"}
@@ -57,32 +61,64 @@ def both(checker: Path, cert: Path, controller: Document) -> tuple[str, str, str
     return first, found, run.stdout + run.stderr
 
 
+def of_study(study: Study, form: str) -> Document:
+    made: Document = plain(document(study.controller(form), study.mission_net))  # type: ignore[arg-type]
+    return made
+
+
+def later(*paths: Path) -> list[Any]:
+    """Missions that are asked of in the nightly profile alone."""
+    return [pytest.param(each, marks=pytest.mark.slow, id=each.parent.name) for each in paths]
+
+
+@pytest.mark.parametrize("form", ["hierarchical", "flat", "modular"])
 @pytest.mark.parametrize(
-    "mission", [ULYSSE, pytest.param(ULYSSE.parents[1] / "courier" / "mission.xml", marks=pytest.mark.slow)]
+    "mission", [ULYSSE, *later(*(EXPERIMENTS / name / "mission.xml" for name in ("courier", "drone")))]
 )
-@pytest.mark.parametrize("form", ["hierarchical", "flat"])
 def test_both_prove_the_controller_of_a_mission(
     checker: Path, tmp_path: Path, mission: Path, form: str
 ) -> None:
     study = Study(read_mission(mission))
-    controller = plain(document(study.controller(form), study.mission_net))  # type: ignore[arg-type]
     cert = certificate(plain(net_entry(study.mission_net)), tmp_path)
+    assert both(checker, cert, of_study(study, form))[:2] == ("proved", "proved")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mission", later(*sorted(EXPERIMENTS.glob("natural/*/mission.xml"))))
+def test_both_prove_the_rules_of_a_natural_mission(checker: Path, tmp_path: Path, mission: Path) -> None:
+    study = Study(read_mission(mission))
+    cert = certificate(plain(net_entry(study.mission_net)), tmp_path)
+    try:
+        controller = of_study(study, "modular")
+    except McpnError as error:
+        pytest.skip(f"it has no such controller: {error}")
     assert both(checker, cert, controller)[:2] == ("proved", "proved")
 
 
-def test_rules_are_not_checked(checker: Path, tmp_path: Path) -> None:
-    original = originals()[0]
-    _, found, words = both(
-        checker, certificate(original.net, tmp_path), {**original.controllers[0], "form": "modular"}
-    )
-    assert found == "not checked"
-    assert "rules are not read" in words
+@pytest.mark.parametrize("few", FEW.values(), ids=FEW)
+@pytest.mark.parametrize("drawn", [4, pytest.param(150, marks=pytest.mark.slow)])
+def test_both_prove_the_rules_of_drawn_missions(checker: Path, tmp_path: Path, few: int, drawn: int) -> None:
+    def judge(mission: Mission) -> str:
+        study = Study(mission)
+        try:
+            listed(study, 500)
+            controller = made(study, few)
+        except (McpnError, certcheck.Limit, certcheck.Refuted) as error:
+            return type(error).__name__
+        cert = certificate(plain(net_entry(study.mission_net)), tmp_path)
+        assert both(checker, cert, controller)[:2] == ("proved", "proved")
+        return "proved"
+
+    assert campaign(DRAWN, judge, drawn)["proved"] > drawn // 5
 
 
-def test_both_say_the_same_of_changed_controllers(checker: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("count", [40, pytest.param(2000, marks=pytest.mark.slow)])
+def test_both_say_the_same_of_changed_controllers(
+    checker: Path, tmp_path: Path, fresh_seed: int, count: int
+) -> None:
     said, apart = set(), []
-    for number in range(40):
-        draw = random.Random(f"1 {number}")
+    for number in range(count):
+        draw = random.Random(f"{fresh_seed} {number}")
         original = draw.choice(originals())
         controller = copy.deepcopy(draw.choice(original.controllers))
         how = change_controller(controller, draw)
