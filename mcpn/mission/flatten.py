@@ -45,7 +45,7 @@ from mcpn.mission.model import (
 from mcpn.mission.passes import core
 from mcpn.mission.passes.copying import copied
 from mcpn.mission.passes.limits import MAX_NESTING, MAX_OBJECTIVES, MAX_PARAMETERS, Counted
-from mcpn.mission.reasons import probabilities, reasons_of
+from mcpn.mission.reasons import probabilities, reason
 from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.mission.validate import valid
 
@@ -92,7 +92,6 @@ class _Flattening:
         self.requirements = {each.name: ("", each) for each in mission.requirements}
         self.written_out = core(mission)
         self.positions = Copies()
-        self.activities = {activity.name: activity for activity in mission.activities}
         self.facts = facts_of(mission)
         self.pauses: dict[str, str] = {}
         """By placeholder for the target of a pause, the name of the sibling that is run meanwhile."""
@@ -270,7 +269,7 @@ class _Flattening:
 
     def objective(self, block: Objective, scope: Scope, leads: Destinations) -> ElementarySection:
         self.counted.add(len(block.parameters), block.source)
-        reasons = reasons_of(block, self.activities)
+        reasons = tuple(map(reason, block.failures))
         leads = leads.of_reasons(each.name for each in reasons)
         whole, parts = probabilities(block, reasons)
         self.positions.objectives[block.name] = scope.position(block)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mcpn.mission.model import Each, EntryGuard, Handler, Mission, Recursive, walk
 from mcpn.mission.passes import PASSES, core
+from mcpn.mission.robot import Activity
 from mcpn.testing.elements import (
     COMMON_CAUSES,
     CRASHING,
@@ -25,6 +28,7 @@ from mcpn.testing.judge.interpreter import Happening, Interpreter, State, Undete
 from tests.draws import fewer
 from tests.judge.test_early import ANY, DOOMED, DOOMED_ALL, FAILS_ONE, FAILS_TWO, RACE, SECOND_FAILS
 from tests.judge.test_guards import DOORS, ROBOT, go
+from tests.judge.test_reasons import ANOTHER_WAY, OUTER, PLAIN, TRIES
 from tests.small import mission
 
 MOST_STATES = 40
@@ -123,6 +127,20 @@ def test_the_judge_gives_the_same_before_and_after_crashes_are_resources(of: Mis
     assume(rewritten.crashes)
     assert not any(a.faulty or any(way.faulty for way in a.alternatives) for a in rewritten.activities)
     assert alike(Interpreter(written), Interpreter(rewritten)) > 1
+
+
+def test_the_judge_gives_the_same_before_and_after_reasons_stand_on_objectives() -> None:
+    for each in (PLAIN, TRIES, OUTER, ANOTHER_WAY):
+        of = replace(each.robots[0], activities=tuple(map(lost, each.robots[0].activities)))
+        written = core(replace(each, robots=(of,)), until="parameters")
+        rewritten = core(written, until="reasons")
+        assert rewritten.blocks != written.blocks
+        assert not any(activity.failures for activity in rewritten.activities)
+        assert alike(Interpreter(written), Interpreter(rewritten)) > 3
+
+
+def lost(activity: Activity) -> Activity:
+    return replace(activity, failures=("lost", "cold")) if activity.name == "a" else activity
 
 
 def test_the_judge_gives_the_same_before_and_after_early_ends_are_counted() -> None:

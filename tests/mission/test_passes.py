@@ -224,6 +224,30 @@ def test_missions_of_authors_hold_nothing_that_stands_for_crashes() -> None:
         flatten(mission(of, Objective(name="o", activities=("a",))))
 
 
+REASONS = """<mission name="m" xmlns="urn:mcpn:mission:1">
+  <robot name="r">
+    <activity name="a" failures="stuck lost"/><activity name="b"/><activity name="c" failures="dark"/>
+  </robot>
+  <protocols>
+    <protocol name="unused"><objective name="n" activities="a">
+      <route reason="lost" on="failure" goto="abort"/>
+    </objective></protocol>
+  </protocols>
+  <objective name="o" activities="b c a" failures="lost=0.5 cold"/>
+  <objective name="p" activities="b" failures="cold"/>
+</mission>"""
+
+
+def test_reasons_of_activities_stand_on_the_objectives_that_run_them(tmp_path: Path) -> None:
+    (path := tmp_path / "m.xml").write_text(REASONS)
+    written = core(read_mission(path), until="reasons")
+    assert not any(activity.failures for activity in written.activities)
+    named = [block.failures for block in walk(written.blocks) if isinstance(block, Objective)]
+    assert named == [("dark", "stuck", "lost=0.5", "cold"), ("cold",)]
+    path.write_bytes(write_mission(written))
+    assert read_mission(path) == written  # though the protocol that nothing uses asks for a reason, too
+
+
 GUARDED = """<objective name="take" activities="a" timeout="9" timeout_goto="put" failure="put">
     <route when="sunny" goto="put"/>
     <on event="stop" goto="put"/>

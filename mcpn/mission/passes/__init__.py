@@ -5,9 +5,9 @@ one after the other, parallel blocks and elementary objectives, each with the na
 (``visit_12.travel_try2``). Such a mission is a *core mission* (``core="true"`` in files): its names may be
 qualified, and blocks say by ``copy`` which copy of what is written they are.
 
-What no mission says remains for the objectives graph (:mod:`mcpn.mission.flatten`): for which reason blocks
-fail; and copies of siblings that run while others pause: they stand outside the block that they lead back
-into.
+What no mission says remains for the objectives graph (:mod:`mcpn.mission.flatten`): where blocks lead that
+fail for a reason; and copies of siblings that run while others pause: they stand outside the block that they
+lead back into.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from mcpn.mission.passes.faults import faults
 from mcpn.mission.passes.guards import guards
 from mcpn.mission.passes.limits import measure
 from mcpn.mission.passes.parameters import parameters
+from mcpn.mission.passes.reasons import reasons
 from mcpn.mission.passes.recovery import recovery
 from mcpn.mission.passes.repeat import repeat
 from mcpn.mission.passes.retries import retries
@@ -40,6 +41,7 @@ PASSES: tuple[Callable[[Mission], Mission], ...] = (
     guards,
     early_ends,
     parameters,
+    reasons,
     faults,
     crashes,
 )

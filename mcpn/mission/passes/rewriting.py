@@ -18,18 +18,19 @@ def rewritten(mission: Mission, rewrite: Callable[[Block], Block]) -> Mission:
         mission: The mission.
         rewrite: Gives what stands in the place of a block, perhaps the block.
     """
-    blocks = _everywhere(mission.blocks, rewrite)
+    blocks = everywhere(mission.blocks, rewrite)
     return mission if blocks is mission.blocks else replace(mission, blocks=blocks)
 
 
-def _everywhere(blocks: tuple[Block, ...], rewrite: Callable[[Block], Block]) -> tuple[Block, ...]:
+def everywhere(blocks: tuple[Block, ...], rewrite: Callable[[Block], Block]) -> tuple[Block, ...]:
+    """Blocks of one text, each rewritten, at any depth; see :func:`rewritten`."""
     made = tuple([_rewritten(block, rewrite) for block in blocks])
     return blocks if all(new is old for new, old in zip(made, blocks, strict=True)) else made
 
 
 def _rewritten(block: Block, rewrite: Callable[[Block], Block]) -> Block:
     if isinstance(block, Recursive | Parallel | Each):
-        inside = _everywhere(block.blocks, rewrite)
+        inside = everywhere(block.blocks, rewrite)
         block = block if inside is block.blocks else replace(block, blocks=inside)
     return rewrite(block)
 
