@@ -1,4 +1,4 @@
-"""Block elimination, and factors of layers, against one dense system."""
+"""Block elimination, components and factors of layers, against one dense system."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from mcpn.answers.causes.block_elimination import Elimination
 from mcpn.answers.causes.linear_systems import (
     Floats,
     LayeredSystem,
+    StepSystem,
     csc_array,
     csr_array,
     resolvent,
@@ -147,3 +148,40 @@ def test_of_what_is_never_come_back_to_nothing_is_filled_in(monkeypatch: pytest.
     monkeypatch.setattr(linear_systems, "splu", counted)
     LayeredSystem(csr_array(steps))
     assert sizes == [size] * sections
+
+
+def steps_solved(
+    random: np.random.Generator, size: int, rare: float, *, together: int, forward: bool
+) -> tuple[Floats, Floats]:
+    """Two systems of a chain drawn anew, and what dense elimination makes of them."""
+    rates = random.random((size, size)) * (random.random((size, size)) < 0.3)
+    np.fill_diagonal(rates, 0.0)
+    out, decays = random.random(size) * rare, random.random((2, size)) * rare
+    right = random.random((2, size, 3))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(linear_systems, "MOST_TOGETHER", together)
+        found = StepSystem(csr_array(rates), out, decays).solved(right, forward=forward)
+    expected = []
+    for decay, given_right in zip(decays, right, strict=True):
+        leaving = rates.sum(axis=1) + out + decay
+        inverse = resolvent(rates / leaving[:, None], (out + decay) / leaving) / leaving
+        expected.append((inverse.T if forward else inverse) @ given_right)
+    return found, np.stack(expected)
+
+
+@pytest.mark.parametrize("forward", [False, True])
+@given(st.integers(1, 14), st.integers(0, 9999), st.sampled_from([1.0, 1e-9]), st.sampled_from([0, 1024]))
+def test_components_of_steps_give_what_one_dense_system_gives(
+    forward: bool, size: int, seed: int, rare: float, together: int
+) -> None:
+    """Each number relative to itself, however rarely what leads in a circle is left; by factors, too."""
+    found, expected = steps_solved(
+        np.random.default_rng(seed), size, rare, together=together, forward=forward
+    )
+    assert found == pytest.approx(expected, rel=1e-10)
+
+
+def test_small_components_have_no_factors(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(linear_systems, "splu", None)
+    found, expected = steps_solved(np.random.default_rng(1), 60, 1.0, together=1024, forward=True)
+    assert found == pytest.approx(expected, rel=1e-12)

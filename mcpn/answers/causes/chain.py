@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mcpn.answers.causes.demands import entered_again, split_edges
-from mcpn.answers.causes.linear_systems import Floats, StepSystem, csc_array, csr_array
+from mcpn.answers.causes.linear_systems import Floats, Layers, StepSystem, csc_array, csr_array
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.drawing.status import Element
 from mcpn.events import What
@@ -383,21 +383,25 @@ class Chain:
         ways = self.graph.sources[self.moving], self.graph.targets[self.moving]
         return csr_array((self.rates[self.moving], ways), shape=(self.graph.states,) * 2)
 
-    def _steps(self, states: Ints, decays: Floats) -> StepSystem:
+    def _steps(self, states: Ints, decays: Floats, layers: Layers | None = None) -> StepSystem:
         """The system of some states, for several decays; what takes no time does not decay."""
         rows = self._matrix[states]
         within = np.zeros(self.graph.states, np.bool_)
         within[states] = True
         out = rows @ np.where(within, 0.0, 1.0)
-        return StepSystem(rows[:, states], out, np.multiply.outer(decays, ~self.hasty[states]))
+        return StepSystem(rows[:, states], out, np.multiply.outer(decays, ~self.hasty[states]), layers)
 
     @cached_property
     def _inner(self) -> Ints:
         return np.flatnonzero(self._ending & ~self.listed.ended)
 
     @cached_property
+    def _layers(self) -> Layers:
+        return Layers(self._matrix[self._inner][:, self._inner])
+
+    @cached_property
     def _undecayed(self) -> StepSystem:
-        return self._steps(self._inner, np.zeros(1))
+        return self._steps(self._inner, np.zeros(1), self._layers)
 
     def _found(self, values: Floats) -> Floats:
         """By status at the entry, what is expected of given values at all states but those in between."""
@@ -449,7 +453,7 @@ class Chain:
             for begin in range(0, len(met_phases), together):
                 some = met_phases[begin : begin + together]
                 right = np.stack([coming.pop(phase) for phase in some])
-                spent = self._steps(inner, race.decays[some]).solved(right, forward=True)
+                spent = self._steps(inner, race.decays[some], self._layers).solved(right, forward=True)
                 for phase, times in zip(some, spent, strict=True):
                     found[phase, met] = (out @ times).T
                     for rate, after in race.ringing(phase):

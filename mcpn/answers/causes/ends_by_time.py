@@ -17,10 +17,9 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import networkx as nx
 import numpy as np
 
-from mcpn.answers.causes.linear_systems import Floats, csc_array, csr_array, splu
+from mcpn.answers.causes.linear_systems import Floats, Layers, csc_array, csr_array, splu
 from mcpn.answers.causes.whole_chain import WholeChain, leading
 from mcpn.errors import LimitError
 from mcpn.spaces.markings.graph import Mask
@@ -148,9 +147,9 @@ class Uniform:
         among = self._out[self._quick][:, self._quick]
         identity = csr_array((np.ones(len(self._quick)), (range(len(self._quick)),) * 2), shape=among.shape)
         self._within = splu(csc_array(identity - among)).solve if len(self._quick) else None
-        graph: nx.DiGraph[int] = nx.DiGraph(zip(*(at.tolist() for at in among.nonzero()), strict=True))
-        groups = [len(group) for group in nx.strongly_connected_components(graph)]
-        depth = 1 + sum(groups) if max(groups, default=1) > 1 else 1 + nx.dag_longest_path_length(graph)
+        layers = Layers(among)
+        around = np.union1d(*among.nonzero()).size
+        depth = 1 + (around if layers.largest > 1 else max(len(layers.blocks) - 1, 0))
         # An edge to an end is taken once in a run, so that rounding there is no matter of each step.
         most = int(np.bincount(chain.targets[~ends[chain.targets]], minlength=size).max())
         self.rounding = ROUNDING * (most + 4) * (depth + 1)

@@ -22,7 +22,6 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
 
-import networkx as nx
 import numpy as np
 
 from mcpn.answers.causes.chain import Chain, ListedChain, totals
@@ -32,6 +31,7 @@ from mcpn.drawing.status import Element
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.spaces.components import strongly_connected
 from mcpn.spaces.markings.graph import Ints, Mask
 
 ENDS = (SUCCEED, FAIL, ABORT)
@@ -96,17 +96,14 @@ class Sections:
     ) -> None:
         self.entry = entry
         self.out, self.idle = frozenset(out), frozenset(idle)
-        graph: nx.DiGraph[str] = nx.DiGraph()
-        graph.add_nodes_from(sections)
-        graph.add_edges_from((n, r) for n, s in sections.items() for r in s.routes.values() if r in sections)
-        order = {name: number for number, name in enumerate(sections)}
-        condensed = nx.condensation(graph)
+        names, order = list(sections), {name: number for number, name in enumerate(sections)}
+        graph = {n: dict.fromkeys(r for r in s.routes.values() if r in sections) for n, s in sections.items()}
         self.used: dict[str, tuple[Element, ...]] = dict.fromkeys(ENDS, ())
         self.first = {end: number for number, end in enumerate(ENDS)}
         self.entries = len(ENDS)
         self.loops: list[tuple[list[str], Ints]] = []
-        for number in reversed(list(nx.topological_sort(condensed))):
-            members = sorted(condensed.nodes[number]["members"], key=order.__getitem__, reverse=True)
+        for component in strongly_connected([[order[r] for r in graph[name]] for name in names]):
+            members = [names[number] for number in reversed(component)]
             used = {h for n in members for h in sections[n].carried}
             used |= {h for n in members for r in graph[n] for h in self.used.get(r, ())}
             if len(used) > MOST_HARDWARE and len(sections) > 1:
