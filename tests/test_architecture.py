@@ -245,7 +245,8 @@ def test_modules_are_of_a_size_to_be_read() -> None:
 def test_no_file_and_no_class_is_several_joined_by_banners() -> None:
     banner = re.compile(r"^\s*(#|//) ?-{3,}", re.MULTILINE)
     scripts = (PACKAGE / "report" / "assets").glob("*.js")
-    files = [*MODULES, *SOURCES, *scripts, *(PACKAGE.parent / "tests").rglob("*.py")]
+    tests = PACKAGE.parent / "tests"
+    files = [*MODULES, *SOURCES, *scripts, *tests.rglob("*.py"), *tests.rglob("*.[ch]pp")]
     assert [str(path) for path in files if banner.search(path.read_text())] == []
 
 

@@ -3,7 +3,6 @@
 
 #include "certificate.hpp"
 
-using Set = std::vector<bool>;  // of states
 
 struct Search {
   Set moments, won;

@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 from hypothesis import event, given
 
+from experiments.faults.section_mutants import CLAIMED, MOST, core_of, mutated
 from mcpn.certificates import certcheck
 from mcpn.certificates.core_entry import core_entry
 from mcpn.certificates.sections import sectioncheck
@@ -25,15 +26,10 @@ from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.testing import elements, missions
 from tests.certificates.test_second_checker import changed, compiled, of_the_other, paths_in
-from tests.certificates.test_sectioncheck import claim, core_of, mutated
 from tests.conftest import ULYSSE
 from tests.draws import campaign, composed, fewer
 from tests.shares import returns_early
 
-ALL = [claim(kind, holds) for kind in sorted(sectioncheck.KINDS) for holds in (True, False)]
-"""Each claim that sections may prove, and its contrary."""
-DOCUMENT = {"format": "mcpn-certificate", "version": 1, "mission": "row", "claims": ALL, "trusted": []}
-MOST = 4_000
 DRAWN = (
     missions(max_hardware=3, max_objectives=2, max_sections=5)
     | missions(max_hardware=2, max_objectives=3, max_sections=4, events=2, timeouts=1)
@@ -60,7 +56,7 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def of_both(
-    checker: Path, file: Path, core: Any, document: Any = DOCUMENT
+    checker: Path, file: Path, core: Any, document: Any = CLAIMED
 ) -> tuple[Report | str, Report | str]:
     """What sectioncheck and the program say of claims on a core mission."""
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -164,7 +160,7 @@ def test_both_say_the_same_of_changed_missions(
     for number in range(count):
         drawn = random.Random(f"{fresh_seed} {number}")
         original = core_of(drawn.randint(1, 4), drawn.choice(["home", "abort", "succeed", "site0"]))
-        core, document = mutated(original, drawn.randrange(10_000)), copy.deepcopy(DOCUMENT)
+        core, document = mutated(original, drawn), copy.deepcopy(CLAIMED)
         if drawn.random() < 0.5:
             core, part = copy.deepcopy(original), drawn.choice(["core", "sections"])
             holder: Any = core if part == "core" else document

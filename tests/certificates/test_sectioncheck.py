@@ -8,10 +8,8 @@ import random
 import shutil
 import subprocess
 import sys
-import tempfile
 import zipfile
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -19,71 +17,20 @@ import pytest
 from hypothesis import event, given
 from hypothesis import strategies as st
 
+from experiments.faults.section_mutants import MOST, claim, core_of, mutated, played, study_of
 from mcpn.answers.claims import claims_of
 from mcpn.certificates import certcheck, corecheck, coregraph, corerobot
 from mcpn.certificates.core_entry import core_entry
-from mcpn.certificates.coregraph import ENDS
 from mcpn.certificates.sections import sectioncheck
 from mcpn.certificates.verified import verified
 from mcpn.certificates.writing import certificate_of
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Mission
-from mcpn.mission.xml import read_mission
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.study import Study
 from mcpn.testing import missions
 from tests.draws import fewer
 from tests.shares import returns_early
-
-MOST = 4_000
-HEAD = """<mission xmlns="urn:mcpn:mission:1" name="row">
-  <robot name="r">
-    <hardware name="wheels"/><hardware name="gps"/><hardware name="imu" repairable="false"/>
-    <event name="call"/>
-    <software name="place"/>
-    <activity name="locate" produces="place">
-      <alternative name="by_gps" consumes="gps"/><alternative name="by_imu" consumes="imu"/>
-    </activity>
-    <activity name="drive"><alternative name="mapped" consumes="wheels place"/></activity>
-    <activity name="rest"><alternative name="on"/></activity>
-  </robot>
-  <on event="call" goto="home"/>
-"""
-SITE = '<objective name="site{}" activities="drive" success="site{}" failure="{}"/>\n'
-LAST = '<objective name="home" activities="rest" success="succeed" failure="home"/>\n</mission>\n'
-
-
-def row(sites: int, failure: str = "home") -> str:
-    """A mission of many sites of one type."""
-    text = "".join(SITE.format(i, i + 1, failure) for i in range(sites))
-    return HEAD + text.replace(f"site{sites}", "home") + LAST
-
-
-@cache
-def core_of(sites: int, failure: str = "home") -> dict[str, Any]:
-    """The core mission of many sites, as a certificate holds it."""
-    found: dict[str, Any] = json.loads(json.dumps(core_entry(study_of(sites, failure).mission_net)))
-    return found
-
-
-def study_of(sites: int, failure: str = "home") -> Study:
-    """Many sites, to be asked."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "row.xml")
-        path.write_text(row(sites, failure))
-        return Study(read_mission(path))
-
-
-def claim(kind: str, holds: bool) -> dict[str, Any]:
-    return {
-        "key": f"{kind} {holds}",
-        "kind": kind,
-        "subject": [],
-        "holds": holds,
-        "sentence": kind,
-        "statement": {},
-        "evidence": {},
-    }
 
 
 def proved(core: dict[str, Any]) -> dict[str, bool]:
@@ -98,34 +45,6 @@ def proved(core: dict[str, Any]) -> dict[str, bool]:
                 continue
             assert kind not in found, "it proves a claim and its contrary"
             found[kind] = holds
-    return found
-
-
-def played(core: dict[str, Any]) -> dict[str, bool]:
-    """What is so of a core mission, all states of which are played one by one, without sections."""
-    mission = corecheck.CoreMission(core)
-    states, numbers = [mission.first], {mission.first: 0}
-    edges = list[list[int]]()
-    for state in states:  # grows while it is walked
-        edges.append([])
-        for happens in mission.possible(state):
-            for after in mission.after(state, happens):
-                if after not in numbers:
-                    numbers[after] = len(states)
-                    states.append(after)
-                edges[-1].append(numbers[after])
-        if len(states) > 20 * MOST:
-            raise certcheck.Limit("too many states")
-    before = list[list[int]]([] for _ in states)
-    for number, targets in enumerate(edges):
-        for target in targets:
-            before[target].append(number)
-    ended = [ENDS.get(state.at, "") if isinstance(state.at, str) else "" for state in states]
-    found = {"can_always_go_on": all(targets or end for targets, end in zip(edges, ended, strict=True))}
-    for kind, goals in sectioncheck.GOALS.items():
-        there = [number for number, end in enumerate(ended) if end in goals]
-        always = len(certcheck.grown(there, before.__getitem__)) == len(states)
-        found[kind] = always if kind.startswith("can_always") else bool(there)
     return found
 
 
@@ -153,43 +72,10 @@ def test_what_sections_prove_the_whole_bears_out(mission: Mission) -> None:
     event(f"proved: {len(found)} of {len(whole)}")
 
 
-def mutated(core: dict[str, Any], seed: int) -> dict[str, Any]:
-    """The core mission with one change."""
-    changed, of = copy.deepcopy(core), random.Random(seed)
-    sections, robot = changed["graph"]["sections"], changed["robot"]
-    one = of.choice(sections)
-    names = [each["name"] for each in sections]
-    match of.randrange(8):
-        case 0:
-            sections.remove(one)
-        case 1:
-            sections.append({**copy.deepcopy(one), "name": of.choice([one["name"], "another"])})
-        case 2:
-            outcome = of.choice(sorted(one["routes"]))
-            one["routes"][outcome][-1]["to"] = of.choice([*names, *ENDS, "nowhere"])
-        case 3:
-            changed["graph"]["entry"] = of.choice([*names, "nowhere"])
-        case 4:
-            hardware = of.choice(robot["hardware"])
-            key = of.choice(["faulty", "shared", "repairable", "out", "late", "crash"])
-            hardware[key] = not hardware[key]
-        case 5:
-            ways = of.choice(robot["activities"])["alternatives"]
-            del ways[of.randrange(len(ways))]
-        case 6:
-            of.choice(robot["activities"])["alternatives"][0]["consumes"] = [
-                of.choice(robot["hardware"])["name"]
-            ]
-        case _:
-            inner = list(sectioncheck.objectives_of(one))
-            of.choice(inner)["activities"] = [of.choice(robot["activities"])["name"]]
-    return changed
-
-
 @fewer(1.0)
 @given(st.integers(1, 4), st.sampled_from(["home", "abort", "succeed", "site0"]), st.integers(0, 10_000))
 def test_of_changed_missions_nothing_false_is_proved(sites: int, failure: str, seed: int) -> None:
-    core = mutated(core_of(sites, failure), seed)
+    core = mutated(core_of(sites, failure), random.Random(seed))
     try:
         found = proved(core)
     except (certcheck.Malformed, certcheck.Limit) as error:

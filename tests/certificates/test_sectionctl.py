@@ -16,6 +16,7 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 from experiments.faults import core_mutants
+from experiments.faults.section_mutants import study_of
 from mcpn.certificates import certcheck, ctlcheck, ctlforms
 from mcpn.certificates.core_entry import core_entry
 from mcpn.certificates.net_entry import net_entry
@@ -27,7 +28,6 @@ from mcpn.mission.writer import save_mission
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.study import Study
 from mcpn.testing import missions
-from tests.certificates.test_sectioncheck import study_of
 from tests.commands import mcpn, output
 from tests.draws import fewer
 from tests.shares import returns_early
