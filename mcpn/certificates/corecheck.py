@@ -89,6 +89,10 @@ class CoreMission:
         certcheck.need(
             not unknown, f"core.json: no fact {min(unknown, default='')[:60]}", certcheck.Malformed
         )
+        makers = {each["name"] for each in document["robot"]["activities"] if each["produces"]}
+        makers &= {name for each in own.values() for name in each}
+        words = f"core.json: an objective runs {min(makers, default='')[:60]}, which produces"
+        certcheck.need(not makers, words, certcheck.Malformed)
         handled = {h["event"] for each in every for h in handlers_of(each)} & self.robot.changing.keys()
         words = f"core.json: {min(handled, default='')[:60]} changes facts and is handled"
         certcheck.need(not handled, words, certcheck.Malformed)

@@ -138,8 +138,8 @@ class Controller {
     }
     const auto changes = of.at("changing").members.find(event);
     if (changes == of.at("changing").members.end()) return nullptr;
-    for (const std::string& each : texts(changes->second.at("false"))) to.held.erase(each);
     for (const std::string& each : texts(changes->second.at("true"))) to.held.insert(each);
+    for (const std::string& each : texts(changes->second.at("false"))) to.held.erase(each);
     return to.held == at.held ? nullptr : std::move(made);
   }
 

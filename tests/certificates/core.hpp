@@ -252,6 +252,7 @@ class Core {
         require(at != activity_numbers_.end(), "no activity " + name);
         const auto& own = made_of.activities;
         require(std::find(own.begin(), own.end(), at->second) == own.end(), "an objective runs twice " + name);
+        require(activities[at->second].products.empty(), "an objective runs what produces: " + name);
         made_of.activities.push_back(at->second);
       }
       for (const Json& each : list(of.at("sets"))) {

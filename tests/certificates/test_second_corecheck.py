@@ -228,6 +228,10 @@ MALFORMED: dict[str, Callable[[Any], Any]] = {
     "a fact that changes twice": lambda core: _objective(core).update(
         sets=[["day", "no", "start"], ["day", "yes", "start"]]
     ),
+    "an activity that produces": lambda core: (
+        core["robot"]["activities"][0]["produces"].append("plan"),
+        _objective(core).update(activities=[core["robot"]["activities"][0]["name"]]),
+    ),
     "an activity twice": lambda core: _objective(core)["activities"].append(
         _objective(core)["activities"][0]
     ),
