@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import struct
+from collections import Counter
 from dataclasses import replace
 from functools import reduce
 from itertools import pairwise
@@ -10,7 +12,7 @@ from operator import or_
 from typing import Any
 
 import pytest
-from hypothesis import event, example, given
+from hypothesis import event, example, given, seed, settings
 from hypothesis import strategies as st
 
 from mcpn._kernel import BigSteps, Store, Zdd, choices
@@ -144,6 +146,35 @@ def test_big_steps_of_missions(of: Mission, few: int, cases: int, by_clusters: b
             if "transient markings" not in str(error):
                 raise  # few are stable, but behind one event too many are not
             returns_early("too many interleavings to list")
+
+
+def test_drawn_missions_share_evolutions(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where few events are many, one evolution is run behind several; as the listing has it."""
+    shared, alone = Counter[bool](), big_steps._Reaching._after_together
+
+    def counted(self: big_steps._Reaching, events: list[tuple[int, int, Zdd]], states: Zdd) -> Zdd | None:
+        found = alone(self, events, states)
+        shared[found is not None] += 1
+        return found
+
+    monkeypatch.setattr(big_steps._Reaching, "_after_together", counted)
+
+    compared = 0
+
+    @seed(1)
+    @settings(max_examples=40)
+    @given(missions())
+    def draw(of: Mission) -> None:
+        nonlocal compared
+        net, before = composed(of).net, shared[True]
+        stepped(net, 0)
+        if shared[True] > before and settled(KernelNet(net), orders="one", max_states=50_000).states < 400:
+            with contextlib.suppress(LimitError):  # too many interleavings to list
+                agree(net, 0, big_steps.FEW_CASES)
+                compared += 1
+
+    draw()
+    assert compared >= 2, shared
 
 
 @fewer(0.3)
