@@ -42,7 +42,7 @@ class CompositeSpace(Glued):
             anywhere = self.layout.idle[place] or place in self.layout.status
             for name in parts if anywhere else self.holders("places", place):
                 if name in parts:
-                    sets.add(name, self.stages[name].restricted(parts[name], [place]))
+                    sets.add(name, self.stages[name].marking(parts[name], place))
         return CompositeSet(self, sets)
 
     def restricted(

@@ -26,7 +26,7 @@ Filter: TypeAlias = Callable[[str], Allowed]
 """By section, what its edges may carry."""
 
 Divided: TypeAlias = tuple[frozenset[int], Sequence[int]]
-"""Some transitions of a local net, and all those of the section's control."""
+"""Some events of a local net, and all those of the section's control."""
 
 Member = tuple[str, tuple[int, ...]]
 """A state: its section, and its marked levels with the section's own slots unmarked."""
@@ -148,48 +148,54 @@ class Glued:
         many, few = transitions, frozenset[int]()
         if isinstance(transitions, Without):
             many, few = transitions.many, transitions.few
-        # One object for equal sets: sections are many, and each would compare the whole set.
-        wanted, limits = None if many is None else self._once(frozenset(many)), guards or {}
-        beside = None if wanted is None else self._beside(wanted).difference(few)
+        known = (lambda name: ALL) if many is None else self._allowed[frozenset(many)]
+        if not few and not guards:
+            return known
+        limits = guards or {}
 
         def of(name: str) -> Allowed:
-            own = self.stages[name].transitions
-            local = None if wanted is None else self._local(wanted, name)
-            if few and local is not None:
-                local = local.difference(i for i, t in enumerate(own) if t in few)
-            guarded = ((i, limits[t].of(name)) for i, t in enumerate(own) if t in limits) if limits else ()
+            own, carrying = self.stages[name].transitions, self.stages[name].type.carrying
+            local, beside, _ = known(name)
+            if few and local is not None and beside is not None:
+                local, beside = local.difference([i for i in carrying if own[i] in few]), beside - few
+            guarded = [(i, limits[own[i]].of(name)) for i in carrying if own[i] in limits] if limits else ()
             return Allowed(local, beside, tuple(guarded))
 
         return ByKey(of).__getitem__
 
-    @memoized
-    def _beside(self, wanted: frozenset[int]) -> frozenset[int]:
-        """Those of some transitions that are of hardware beside sections."""
-        return wanted.intersection(self.layout.toggles)
+    @cached_property
+    def _allowed(self) -> Mapping[frozenset[int], Filter]:
+        """By transitions what edges may carry, as each section sees it: one object for all that are alike."""
 
-    @memoized
-    def _local(self, wanted: frozenset[int], name: str) -> frozenset[int]:
-        """Those of some transitions that a section has, in its local net: one set for all that are alike."""
-        stage = self.stages[name]
-        used, control = self._of_used[wanted, stage.type, stage.part.used]
-        return self._once(used.union([i for i in control if stage.transitions[i] in wanted]))
+        def filter_(wanted: frozenset[int]) -> Filter:
+            beside = wanted.intersection(self.layout.toggles)
+
+            def of(name: str) -> Allowed:
+                stage = self.stages[name]
+                used, control = self._of_used[wanted, stage.type, stage.part.used]
+                own = [i for i in control if stage.transitions[i] in wanted]
+                return self._once(Allowed(used.union(own), beside))
+
+            return ByKey(of).__getitem__
+
+        return ByKey(filter_)
 
     @cached_property
     def _of_used(self) -> Mapping[tuple[frozenset[int], SectionType, Used], Divided]:
-        """By transitions: those of what stages use, in their local net, and what is of their control."""
+        """By transitions: events of what stages use, in their local net, and those of their control."""
         lists = {(s.type, s.part.used): s.used["transitions"] for s in self.stages.values()}
 
         def divided(key: tuple[frozenset[int], SectionType, Used]) -> Divided:
-            wanted, used = key[0], lists[key[1:]]
-            chosen = frozenset([i for i, t in enumerate(used) if t in wanted])
-            return chosen, [i for i, t in enumerate(used) if t == NOWHERE]
+            wanted, used, carrying = key[0], lists[key[1:]], key[1].carrying
+            chosen = frozenset([i for i in carrying if used[i] in wanted])
+            return chosen, [i for i in carrying if used[i] == NOWHERE]
 
         return ByKey(divided)
 
     @memoized
-    def _once(self, transitions: frozenset[int]) -> frozenset[int]:
-        """One object for equal sets (interning)."""
-        return transitions
+    def _once(self, allowed: Allowed) -> Allowed:
+        """One object for equal ones (interning)."""
+        return allowed
 
     @memoized
     def _holding(self, kind: Kind) -> tuple[Mapping[int, Sequence[str]], Mapping[int, list[list[str]]]]:
@@ -360,16 +366,35 @@ class Glued:
         transitions: Collection[int] | None = None,
         guards: Guards[CompositeSet] = None,
     ) -> CompositeSet:
-        within = self.everything if along is None else along
-        allowed, sources = self.filtered(transitions, guards), SectionSets(goal.parts)
+        within = (self.everything if along is None else along).parts
+        allowed, sources = self.filtered(transitions, guards), dict(goal.parts)
+        entries = dict[str, Zdd]()  # by section, with which status it is entered in its sources
 
-        def work(name: str) -> Iterator[str]:
-            sources[name] = self.stages[name].type.reaching(sources[name], within.of(name), allowed(name))
-            leaving = self.leaving({name: sources[name]}, within, allowed)
-            return (before for before, states in leaving.items() if sources.add(before, states))
+        def work(name: str) -> Iterable[str]:
+            stage, there = self.stages[name], sources.get(name, self.empty)
+            if (along := within.get(name)) is not None:
+                own, routes = allowed(name), stage.routes.items()
+                after = tuple([(exit_, entries[route]) for exit_, route in routes if route in entries])
+                if after:
+                    there |= stage.type.ending(after, stage.slots, own) & along
+                there = stage.type.reaching(there, along, own)
+            if not there:
+                return ()
+            sources[name], entered = there, stage.entries(there)
+            if not entered or entered == entries.get(name):
+                return ()
+            entries[name] = entered
+            return self._leading_into(name, within)
 
         self.worked(sources, work, back=True)
         return CompositeSet(self, sources)
+
+    def _leading_into(self, name: str, within: Mapping[str, Zdd]) -> Iterable[str]:
+        """The sections, of some, with a route into another."""
+        before = self.into[name]
+        if len(before) > len(within):  # of one section often, and many lead to the last
+            return [n for n in within if n in before]
+        return [n for n in before if n in within]
 
     def reached(
         self,

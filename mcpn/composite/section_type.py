@@ -99,6 +99,11 @@ class SectionType:
             stable = (stable - after) | after.images([encoding.event((happened,), (open_,), ())])
         return stable
 
+    @cached_property
+    def carrying(self) -> tuple[int, ...]:
+        """The transitions of the local net that carry an event."""
+        return tuple(sorted(t for t, _ in self.net.net.events.pairs))
+
     @memoized
     def fired(self, levels: tuple[int, ...]) -> list[tuple[Edge, Exit | None]]:
         """The edges of a local state by its own events, each with the exit that it leads to if it does."""
@@ -172,14 +177,26 @@ class SectionType:
         return chained(goal, [*steps, lambda states: states.saturate(beside, within=within) & within])
 
     @memoized
-    def entered(self, before: Zdd) -> Zdd:
-        """First states inside after the section is entered in some states before it."""
-        return self.graph.after(before, [self.net.start])
+    def entered(self, status: Zdd, own: tuple[int, ...]) -> Zdd:
+        """First states inside after the section is entered with all elements in some status, in slots."""
+        return self.graph.after(self.from_slots(status, own, None), [self.net.start])
 
     @memoized
-    def entries(self, inside: Zdd) -> Zdd:
-        """States before the section in which it is entered in some states inside."""
-        return self.graph.before(inside, [self.net.start]) & self.before
+    def entries(self, inside: Zdd, own: tuple[int, ...]) -> Zdd:
+        """The status of all elements, in slots, with which the section is entered in some states inside."""
+        return self.to_slots(self.graph.before(inside, [self.net.start]) & self.before, own, None)
+
+    @memoized
+    def leave(self, part: Zdd, own: tuple[int, ...], allowed: Allowed) -> Mapping[Exit, Zdd]:
+        """By exit, the status of all elements, in slots, where one event has ended some states inside."""
+        after = self.after(part, allowed)
+        ended = ((exit_, after & states) for exit_, states in self.ended.items())
+        return {exit_: self.to_slots(states, own, exit_) for exit_, states in ended if states}
+
+    @memoized
+    def marking(self, part: Zdd, level: int, unmarked: bool) -> Zdd:
+        """Those of some states that mark a level, or that do not."""
+        return part.subset(*(((), (level,)) if unmarked else ((level,), ())))
 
     @memoized
     def to_slots(self, states: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:

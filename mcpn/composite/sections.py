@@ -108,17 +108,22 @@ class Stage(Levels):
         level, opposite = self._own.get(slot, (slot, False))
         return level, reverse != opposite
 
+    def marking(self, part: Zdd, place: int) -> Zdd:
+        """Those of some of its states that mark a place of the whole net."""
+        bit = self.bit(place)
+        return self.type.marking(part, *bit) if not isinstance(bit, bool) else part if bit else part - part
+
     def closed(self, part: Zdd) -> Zdd:
         """A set of its states with its own slots unmarked, so that each state is there once."""
         return part.subset(unmarked=self.slots)
 
     def entered(self, status: Zdd) -> Zdd:
         """First states, entered with all elements in some status."""
-        return self.type.entered(self.type.from_slots(status, self.slots, None))
+        return self.type.entered(status, self.slots)
 
     def entries(self, inside: Zdd) -> Zdd:
         """The status of all elements with which it is entered in some of its states."""
-        return self.type.to_slots(self.type.entries(inside), self.slots, None)
+        return self.type.entries(inside, self.slots)
 
     def ends(self, status: Mapping[str, Zdd]) -> Zdd:
         """States after its exits, with all elements in some status by the route."""
@@ -127,10 +132,8 @@ class Stage(Levels):
 
     def leave(self, part: Zdd, allowed: Allowed = ALL) -> Iterator[tuple[str, Zdd]]:
         """By route, the status of all elements where one of its own events has ended it."""
-        after = self.type.after(part, allowed)
-        for exit_, route in self.routes.items():
-            if ended := after & self.type.ended[exit_]:
-                yield route, self.type.to_slots(ended, self.slots, exit_)
+        found = self.type.leave(part, self.slots, allowed)
+        return ((route, found[exit_]) for exit_, route in self.routes.items() if exit_ in found)
 
     def toggling(self, allowed: Allowed = ALL) -> list[Toggle]:
         """Failures and repairs of hardware that the section does not use.

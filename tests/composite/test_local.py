@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context
@@ -198,12 +198,40 @@ def test_no_section_compares_equal_sets_of_transitions() -> None:
     assert after_all() <= 2 * len(every)
 
 
+def test_each_section_is_asked_once_what_leads_to_those_behind_it() -> None:
+    """A section with two routes is asked with both at once, where no route leads back."""
+    names = [f"o{i}" for i in range(30)]
+    blocks = [
+        Objective(name=name, activities=("a",), failure=after)
+        for name, after in zip(names, [*names[2:], None, None], strict=True)
+    ]
+    composite = composite_space(compose(mission(robot((), activity("a", ())), *blocks)))
+    goal, asked = composite.marked([composite.mission_net.success]), list[SectionType]()
+    for type_ in {stage.type for stage in composite.stages.values()}:
+
+        def ending(*given: Any, of: SectionType = type_, ask: Callable[..., Any] = type_.ending) -> Any:
+            asked.append(of)
+            return ask(*given)
+
+        vars(type_)["ending"] = ending
+    assert composite.reaching(goal, composite.everything)
+    assert 0 < len(asked) < len(composite.stages)
+
+
+def test_what_edges_may_carry_is_one_object_for_equal_transitions() -> None:
+    blocks = [Objective(name=name, activities=("a",)) for name in ("o0", "o1", "o2")]
+    composite = composite_space(compose(mission(robot((), activity("a", ())), *blocks)))
+    every = range(len(composite.net.transitions))
+    assert composite.filtered(every)("o0") is composite.filtered([*every])("o1")
+
+
 def test_sections_see_those_of_some_transitions_that_they_have(ulysse_net: MissionNet) -> None:
     composite = composite_space(ulysse_net)
     for every in (range(0, len(composite.net.transitions), 3), range(70), range(70, 150)):
         allowed = composite.filtered(every)
         for name, stage in composite.stages.items():
-            own = frozenset(i for i, t in enumerate(stage.transitions) if t in every)
+            local = stage.type.net.net.transitions
+            own = frozenset(i for i, t in enumerate(stage.transitions) if t in every and local[i].event)
             assert allowed(name).local == own
 
 

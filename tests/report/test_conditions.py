@@ -15,7 +15,7 @@ from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import compose
 from mcpn.findings import findings
 from mcpn.mission.xml import read_mission
-from mcpn.report.failures.sentences import headlines, survived
+from mcpn.report.failures.sentences import headlines, moments, survived
 from mcpn.report.page import page
 from mcpn.spaces.engine_names import Engine
 from tests.logic.asked import ENGINES
@@ -134,3 +134,22 @@ def test_the_run_to_success_says_what_it_skips(tmp_path: Path) -> None:
     path.write_text(path.read_text().replace('success="picture"', ""))
     for engine in ENGINES:
         assert check(compose(read_mission(path)), engine=engine).verdicts["success_reachable"].skipped == ()
+
+
+class Name(str):
+    """A name that counts how often one is compared with another."""
+
+    compared = 0
+
+    def __eq__(self, other: object) -> bool:
+        Name.compared += 1
+        return str(self) == other
+
+    __hash__ = str.__hash__
+
+
+def test_names_of_moments_are_not_compared_each_with_each() -> None:
+    every = [Name(f"o{i}") for i in range(50)]
+    during = [Name(name) for name in every[:49]]
+    assert moments(during, every) == "at any moment, but not while o49 runs"
+    assert Name.compared < 4 * len(every)

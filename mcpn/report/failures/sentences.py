@@ -174,7 +174,8 @@ def moments(during: Sequence[str], every: Sequence[str]) -> str:
         while_ = [f"while {'one of ' * (len(some) > 1)}{enumeration(some)} runs"] * bool(some)
         return ", or ".join([*while_, *["before the start"] * ("" in names)])
 
-    within, without = running(during), running([name for name in every if name not in during])
+    then = {*during}
+    within, without = running(during), running([name for name in every if name not in then])
     if not without:
         return "at any moment"
     return within if len(within) <= len(without) else f"at any moment, but not {without}"
