@@ -294,40 +294,50 @@ def judge(of: CertifiedSets, claim: Json) -> None:
     known = certcheck.ENDS.keys()
     certcheck.need(kind in known, f"diagrams.json: kind {kind[:60]!r}", certcheck.Malformed)
     certcheck.part(claim, "statement")
-    goal = certcheck.ENDS[kind]
+    given, goal = shown(of, claim), certcheck.ENDS[kind]
     certcheck.need(of.stable is not None, "it is known what is reached")
     if kind in ("safe", "confluent"):
-        certcheck.part(claim, "evidence")
         certcheck.need(holds and (kind == "safe" or of.confluent), "that it fails is never certified")
+    elif kind == "can_always_go_on" and holds:
+        certcheck.need(not of.stuck(of.stable), "some state is stuck")
     elif kind == "can_always_go_on":
-        if holds:
-            certcheck.part(claim, "evidence")
-            certcheck.need(not of.stuck(of.stable), "some state is stuck")
-        else:
-            marking = of.run(certcheck.part(claim, "evidence", run=[int])["run"])
-            fine = not of.says(marking, *ENDS) and all(of.net.pre[t] & ~marking for t in of.net.events)
-            certcheck.need(fine, "the run does not lead to where nothing happens")
+        marking = of.run(given["run"])
+        fine = not of.says(marking, *ENDS) and all(of.net.pre[t] & ~marking for t in of.net.events)
+        certcheck.need(fine, "the run does not lead to where nothing happens")
     elif kind.startswith("can_always"):
-        always_ends(of, claim, goal)
+        always_ends(of, given, goal, holds=holds)
     elif holds:
-        marking = of.run(certcheck.part(claim, "evidence", run=[int])["run"])
-        certcheck.need(of.says(marking, *goal), "the run leads to no such end")
+        certcheck.need(of.says(of.run(given["run"]), *goal), "the run leads to no such end")
     else:
-        certcheck.part(claim, "evidence")
         certcheck.need(of.minus(of.stable, goal) == of.stable, "a state is such an end")
 
 
-def always_ends(of: CertifiedSets, claim: Json, goal: list[str]) -> None:
+def shown(of: CertifiedSets, claim: Json) -> Json:
+    """The evidence of a claim, sets for their numbers; malformed unless it is what the kind asks for."""
+    kind, holds, shape = claim["kind"], claim["holds"], dict[str, Json]()
+    if kind == "cut_sets":
+        shape = {"closed": [int], "layers": [int]}
+    elif kind.startswith("can_always_end"):
+        shape = {"layers": [int]} if holds else {"run": [int], "closed": int}
+    elif kind.startswith("can") and holds is not (kind == "can_always_go_on"):
+        shape = {"run": [int]}
+    given = {**certcheck.part(claim, "evidence", **shape)}
+    for key in given.keys() - {"run"}:
+        numbers = given[key]
+        given[key] = of.root(numbers) if isinstance(numbers, int) else [of.root(each) for each in numbers]
+    return given
+
+
+def always_ends(of: CertifiedSets, given: Json, goal: list[str], *, holds: bool) -> None:
     """From each marking an end can be reached, layer by layer; or from one, after a run, none can."""
-    if not claim["holds"]:
-        shown = certcheck.part(claim, "evidence", run=[int], closed=int)
-        marking, closed = of.run(shown["run"]), of.root(shown["closed"])
+    if not holds:
+        marking, closed = of.run(given["run"]), given["closed"]
         levels = [level for p in certcheck.indices(marking) for level, so in [of.at[p]] if so]
         certcheck.need(of.sets.has(closed, levels), "the run does not lead into the closed set")
         of.closed(closed, closed, of.net.events, of.net.internal, "closed")
         certcheck.need(of.minus(closed, goal) == closed, "an end is in the closed set")
         return
-    layers = [of.root(number) for number in certcheck.part(claim, "evidence", layers=[int])["layers"]]
+    layers = given["layers"]
     of.layered(layers, goal, of.net.events)
     certcheck.need(layers and of.sets.within(of.reached, layers[-1]), "a marking is in no layer")
 
@@ -335,8 +345,8 @@ def always_ends(of: CertifiedSets, claim: Json, goal: list[str]) -> None:
 def cut_sets(of: CertifiedSets, claim: Json) -> None:
     """Each set is a cut, by a closed set; what is less is survived, by layers; no other is minimal."""
     said = certcheck.part(claim, "statement", ends=[str], hardware=[str], cuts=[[str]])
-    shown = certcheck.part(claim, "evidence", closed=[int], layers=[int])
-    closed, layers = ([of.root(number) for number in shown[key]] for key in ("closed", "layers"))
+    given = shown(of, claim)
+    closed, layers = given["closed"], given["layers"]
     certcheck.need(claim["holds"], "that it fails is never certified")
     certcheck.need(of.stable is not None, "it is known what is reached")
     net, names, sets, goal = of.net, said["hardware"], of.sets, said["ends"]

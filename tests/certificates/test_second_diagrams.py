@@ -108,6 +108,18 @@ def test_what_is_no_transition_is_malformed(checker: Path, small: dict[str, Any]
     assert agreed(checker, entries) == {"malformed"}
 
 
+def test_evidence_of_another_shape_is_malformed_whatever_is_reached(
+    checker: Path, small: dict[str, Any]
+) -> None:
+    document = small["diagrams.json"]
+    claims = [{**each, "evidence": {**each["evidence"], "more": 1}} for each in document["claims"]]
+    nothing = {**small, "diagrams.json": {**document, "reached": 0}}
+    assert agreed(checker, nothing) == {"refuted"}
+    assert agreed(checker, {**small, "diagrams.json": {**nothing["diagrams.json"], "claims": claims}}) == {
+        "malformed"
+    }
+
+
 @pytest.mark.parametrize("count", [12, pytest.param(3000, marks=pytest.mark.slow)])
 def test_both_say_the_same_of_changed_certificates(
     checker: Path, small: dict[str, Any], fresh_seed: int, count: int
