@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from functools import cached_property
 from itertools import chain
-from typing import NoReturn
+from typing import NoReturn, cast
 
 from mcpn.answers.verdicts.modes import WAITING
 from mcpn.drawing.compose import MissionNet
@@ -118,7 +118,9 @@ class MissionNames(Names):
                     ways = [self._element(value, ways, f"alternative of {activity}")]
                 about = [activity] if kind == "refused" else [f"{activity}.{way}" for way in ways]
         roles = ROLES.get(kind, (kind,))
-        places = (p for p, (role, element) in mission_net.roles.items() if role in roles and element in about)
+        by_role = cast("Mapping[tuple[str, str], tuple[int, ...]]", mission_net.by_role)
+        said = ((role, element) for role in roles for element in about)
+        places = sorted({place for each in said for place in by_role.get(each, ())})
         return ~marked(*places) if kind == "available" else marked(*places)
 
     def _events(self, name: str) -> set[Event]:
@@ -130,7 +132,9 @@ class MissionNames(Names):
         if declared in known or declared.element in self.declared:
             return {declared}
         if said.what not in ENDING:
-            return {Event.parse(self._element(name, sorted(map(str, known)), "event"))}
+            return {
+                said if said in known else Event.parse(self._element(name, sorted(map(str, known)), "event"))
+            }
         objectives = self._copies.meant(said.element, self.within)
         about = objectives or self._copies.blocks(said.element, self.within)  # whose time may be over
         found = {event for each in about if (event := said.of(each)) in known}

@@ -45,3 +45,7 @@ def entry(
         "statement": statement,
         "evidence": shown,
     }
+
+
+class Uncertified(Exception):
+    """A claim for which there is no evidence that a checker knows."""

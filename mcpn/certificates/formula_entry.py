@@ -42,6 +42,9 @@ def formula_entry(formula: Formula, mission_net: MissionNet) -> list[Any]:
             named = {place for role in said for place in mission_net.by_role[role]}
             if bound == 0 and named == places and all(weight > 0 for _, weight in weights):
                 return ["not", ["or", *(["says", *role] for role in sorted(said))]]
+            if bound == -1 and named == places and all(weight < 0 for _, weight in weights):
+                says = [["says", *role] for role in sorted(said)]
+                return says[0] if len(says) == 1 else ["or", *says]
             return ["at most", bound, [[*pair] for pair in weights]]
         case Fires(transitions) | Happens(transitions):
             word = "fires" if isinstance(formula, Fires) else "happens"
@@ -52,6 +55,6 @@ def formula_entry(formula: Formula, mission_net: MissionNet) -> list[Any]:
 def _events(transitions: tuple[int, ...], mission_net: MissionNet) -> list[list[str]]:
     every = mission_net.net.transitions
     events = {event for t in transitions if (event := every[t].event) is not None}
-    if {t for t, transition in enumerate(every) if transition.event in events} != set(transitions):
+    if set(mission_net.net.events.of(*events)) != set(transitions):
         raise InputError.at(None, "the formula names single transitions, not events")
     return [event_entry(event) for event in sorted(events, key=Event.__str__)]

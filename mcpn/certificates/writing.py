@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from io import BytesIO
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -19,11 +19,12 @@ from mcpn.certificates import evidence
 from mcpn.certificates.certcheck import ENDS, VERSION, Limit
 from mcpn.certificates.core_entry import core_entry
 from mcpn.certificates.cut_sets import before_the_start, can_fail, survived
-from mcpn.certificates.entries import Claimed, Trusted, entry
+from mcpn.certificates.entries import Claimed, Trusted, Uncertified, entry
 from mcpn.certificates.formula_entry import formula_entry
 from mcpn.certificates.moments_entry import CRASHES, MomentClaims
 from mcpn.certificates.net_entry import net_entry
-from mcpn.certificates.sections.sections_entry import claims_by_sections
+from mcpn.certificates.sections.sectionforms import UNSHOWN
+from mcpn.certificates.sections.sections_entry import OF_THE_NET, claims_by_sections
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import ConfluenceError, InputError, LimitError
 from mcpn.logic.syntax import parse
@@ -31,7 +32,6 @@ from mcpn.spaces.algebra import Space
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.engine_names import SYMBOLIC
 from mcpn.spaces.markings.graph import Mask
-from mcpn.spaces.search.goal import Formula
 from mcpn.spaces.stable.alternatives import AlternativesGraph
 from mcpn.steps import Doing, step
 
@@ -55,10 +55,6 @@ SENTENCES = {
     "safe": "No firing puts a second token in a place.",
     "confluent": "Each event has one outcome, whatever the order inside the net.",
 }
-
-
-class Uncertified(Exception):
-    """A claim for which there is no evidence that the checker knows."""
 
 
 class Certificate(NamedTuple):
@@ -148,10 +144,29 @@ def _by_sections(check: MissionCheck) -> Certificate | None:
         return None
     core = core_entry(check.mission_net)
     try:
-        claims, trusted = claims_by_sections(core, claims_of(check))
+        claims, trusted = claims_by_sections(core, claims_of(check), _stating(check))
     except Limit:
         return None
     return Certificate(check.mission_net.mission.name, None, claims, trusted, core)
+
+
+def _stating(check: MissionCheck) -> Callable[[Claim], tuple[str, dict[str, Any]]]:
+    """By claim its kind in the certificate of sections, and what it states."""
+    asked = {answer.asked.name: answer.asked for answer in check.requirements}
+    names = MissionNames(check.mission_net)
+
+    def of(claim: Claim) -> tuple[str, dict[str, Any]]:
+        if claim.of.verdict in ("safe", "confluent", "bounded"):
+            raise Uncertified(OF_THE_NET)
+        if claim.kind in ENDS and "happens(" not in claim.formula:
+            return claim.kind, {}
+        if claim.kind == "nominal_success":
+            return claim.kind, stated_nominal(check.mission_net)
+        if " X " in claim.formula or " G " in claim.formula:
+            raise Uncertified(UNSHOWN)  # which takes long to read where objectives are many
+        return "formula", stated_formula(claim, check.mission_net, asked, names)
+
+    return of
 
 
 def _by_diagrams(check: MissionCheck, error: LimitError) -> Certificate:
@@ -294,6 +309,7 @@ class _Writer:
         self, mission_net: MissionNet, graph: AlternativesGraph, asked: Mapping[str, AskedRequirement]
     ) -> None:
         self.mission_net, self.graph, self.asked = mission_net, graph, asked
+        self.names = MissionNames(mission_net)
 
     def certificate(self, made: Iterable[Claim]) -> Certificate:
         """All claims, those without evidence apart."""
@@ -345,26 +361,7 @@ class _Writer:
                 return {}, {} if claim.holds else {"run": self.run(stuck)}
             case "nominal_success":
                 return self.nominal(claim.holds)
-        text, formula = self.formula(claim)
-        try:
-            return {"text": text, "formula": formula_entry(formula, self.mission_net)}, {}
-        except InputError as error:
-            raise Uncertified(str(error)) from error
-
-    def formula(self, claim: Claim) -> tuple[str, Formula]:
-        """The formula of a claim, as text and as it is understood."""
-        if claim.kind == "requirement":
-            asked = self.asked[claim.subject[0]]
-            if asked.requirement.fair:
-                raise Uncertified("fair requirements speak of some runs alone")
-            as_asked = asked.requirement.expected == "holds"
-            return (
-                asked.text if as_asked else f"not so: {asked.text}",
-                asked.formula if as_asked else ~asked.formula,
-            )
-        if not claim.formula:
-            raise Uncertified("no formula of the certificate says it")
-        return claim.formula, parse(claim.formula, MissionNames(self.mission_net))
+        return stated_formula(claim, self.mission_net, self.asked, self.names), {}
 
     def ended(self, *ends: str) -> Mask:
         """The states in which the mission has ended so."""
@@ -388,19 +385,52 @@ class _Writer:
             raise Uncertified("a failure of nominal runs is not certified")
         mission_net, graph = self.mission_net, self.graph
         runs = NominalRuns(mission_net, ArraySpace(graph), settles=True)
-        copies, hardware = mission_net.graph.copies, mission_net.core.hardware
-        optional, endless = copies.meant_as("optional"), copies.meant_as("endless")
+        said = stated_nominal(mission_net)
+        endless = said["endless"]
         stays = [place for place, name in mission_net.saying("objective").items() if name in endless]
         within = runs.reached.mask & ~self.ended("success") & ~evidence.marking(graph, stays)
         numbers = evidence.falling(graph, evidence.carrying(graph, runs.transitions), within)
         assert numbers is not None, "nominal runs end but in what is meant to be endless"
-        said = {
-            "fails": sorted(copies.meant_as("fails")),
-            "endless": sorted(endless),
-            "meant": [name for name in meant_to_be_entered(mission_net) if name not in optional],
-            "repaired": [h.name for h in hardware if h.initial == "oos" and h.repairable],
-        }
         return said, {"numbers": numbers.tolist()}
+
+
+def stated_nominal(mission_net: MissionNet) -> dict[str, list[str]]:
+    """What a nominal run is in a mission."""
+    copies, hardware = mission_net.graph.copies, mission_net.core.hardware
+    optional = copies.meant_as("optional")
+    return {
+        "fails": sorted(copies.meant_as("fails")),
+        "endless": sorted(copies.meant_as("endless")),
+        "meant": [name for name in meant_to_be_entered(mission_net) if name not in optional],
+        "repaired": [h.name for h in hardware if h.initial == "oos" and h.repairable],
+    }
+
+
+def stated_formula(
+    claim: Claim, mission_net: MissionNet, asked: Mapping[str, AskedRequirement], names: MissionNames
+) -> dict[str, Any]:
+    """The formula of a claim, as text and as it is understood.
+
+    Raises:
+        Uncertified: The certificate's formulas do not say it.
+    """
+    if claim.kind == "requirement":
+        one = asked[claim.subject[0]]
+        if one.requirement.fair:
+            raise Uncertified("fair requirements speak of some runs alone")
+        as_asked = one.requirement.expected == "holds"
+        text, formula = (
+            one.text if as_asked else f"not so: {one.text}",
+            one.formula if as_asked else ~one.formula,
+        )
+    elif not claim.formula:
+        raise Uncertified("no formula of the certificate says it")
+    else:
+        text, formula = claim.formula, parse(claim.formula, names)
+    try:
+        return {"text": text, "formula": formula_entry(formula, mission_net)}
+    except InputError as error:
+        raise Uncertified(str(error)) from error
 
 
 def _kind(claim: Claim, said: dict[str, Any]) -> str:

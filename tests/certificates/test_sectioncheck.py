@@ -21,7 +21,7 @@ from experiments.faults.section_mutants import MOST, claim, core_of, mutated, pl
 from mcpn.answers.claims import claims_of
 from mcpn.certificates import certcheck, corecheck, coregraph, corerobot
 from mcpn.certificates.core_entry import core_entry
-from mcpn.certificates.sections import sectioncheck
+from mcpn.certificates.sections import sectioncheck, sectionforms
 from mcpn.certificates.verified import verified
 from mcpn.certificates.writing import certificate_of
 from mcpn.errors import ConfluenceError, LimitError
@@ -87,7 +87,7 @@ def test_of_changed_missions_nothing_false_is_proved(sites: int, failure: str, s
     event(f"proved: {len(found)} of {len(whole)}")
 
 
-FILES = (certcheck, corecheck, coregraph, corerobot, sectioncheck)
+FILES = (certcheck, corecheck, coregraph, corerobot, sectioncheck, sectionforms)
 
 
 def certified(sites: int, file: Path, change: Callable[[dict[str, Any]], object] = len) -> Path:

@@ -15,6 +15,7 @@ import json
 import sys
 import time
 from collections.abc import Iterable, Iterator
+from functools import cache, cached_property
 from itertools import chain, combinations
 from typing import Any
 
@@ -23,8 +24,10 @@ try:
     from mcpn.certificates.corecheck import CoreMission, CoreState
     from mcpn.certificates.coregraph import ENDS, Event, Json, facts_of, handlers_of
     from mcpn.certificates.corerobot import CoreRobot, Names, RobotMoment
+    from mcpn.certificates.sections import sectionforms
 except ImportError:  # the files alone, beside each other
     import certcheck  # type: ignore[import-not-found, no-redef]
+    import sectionforms  # type: ignore[import-not-found, no-redef]
     from corecheck import CoreMission, CoreState  # type: ignore[import-not-found, no-redef]
     from coregraph import (  # type: ignore[import-not-found, no-redef]
         ENDS,
@@ -48,6 +51,8 @@ GOALS = {
 }
 """The ends that a claim speaks of."""
 KINDS = {*GOALS, "can_always_go_on"}
+STATED = {"formula", "nominal_success"}
+"""Kinds of claims that state something besides."""
 NONE: frozenset[Any] = frozenset()
 
 
@@ -188,6 +193,7 @@ class PlayedType:
         stuck: Whether there is a state in which nothing happens.
         leads: Where the section leads, from whatever status.
         leads_steadily: Where it leads with the hardware as it is at first, if that stays so.
+        surely: The states that it reaches if it is entered with the hardware as it is at first.
     """
 
     def __init__(self, one: Renamed, budget: Budget) -> None:
@@ -212,7 +218,9 @@ class PlayedType:
                 self.before[target].append(number)
         self.events = sorted({each[0] for some in (self.edges, self.exits) for row in some for each in row})
         self.leads = {target for exits in self.exits for _, target in exits}
-        self.leads_steadily = self.steadily()
+        self.leading = cache(self.leading_without)
+        self.leads_steadily = self.leading(NONE, True)
+        self.surely = certcheck.grown([self.entries[self.first]], lambda n: (to for _, to in self.edges[n]))
         self.led = dict[frozenset[str], bool]()
 
     def met(self, state: CoreState) -> int:
@@ -251,13 +259,39 @@ class PlayedType:
         still = self.mission.robot.at_rest(RobotMoment(left, NONE, state.out, NONE)).acts
         certcheck.need(not still, "sections are not apart: something still runs behind one", certcheck.Limit)
 
-    def steadily(self) -> set[str]:
-        """Where it leads while no status changes, from that at first."""
-        met = certcheck.grown(
-            [self.entries[self.first]],
-            lambda n: (target for event, target in self.edges[n] if event[0] not in STATUS),
-        )
-        return {target for n in met for event, target in self.exits[n] if event[0] not in STATUS}
+    def leading_without(self, avoided: frozenset[Event], steadily: bool) -> set[str]:
+        """Where it leads without some events; steadily, that is from the status at first, which stays so."""
+
+        def may(event: Event) -> bool:
+            return event not in avoided and not (steadily and event[0] in STATUS)
+
+        start = [self.entries[self.first]] if steadily else self.entries.values()
+        met = certcheck.grown(start, lambda n: (target for event, target in self.edges[n] if may(event)))
+        return {target for n in met for event, target in self.exits[n] if may(event)}
+
+    def nominally(self, fails: Names) -> tuple[set[str], set[str]]:
+        """Where nominal runs lead, and the objectives on them; refuted if one stops or goes round.
+
+        Args:
+            fails: The objectives that are meant to fail.
+        """
+
+        def may(event: Event) -> bool:
+            return event[0] == ("failure" if event[1] in fails else "success") and len(event) > 1
+
+        def onward(n: int) -> list[int]:
+            return [target for event, target in self.edges[n] if may(event)]
+
+        met = certcheck.grown([self.entries[self.first]], onward)
+        ways = {n: {target for event, target in self.exits[n] if may(event)} for n in met}
+        certcheck.need(all(ways[n] or onward(n) for n in met), "a nominal run stops in a section")
+        left = {*met}
+        while last := {n for n in left if left.isdisjoint(onward(n))}:
+            left -= last
+        certcheck.need(not left, "a nominal run goes round in a section")
+        said = (word for n in met for word in self.mission.says(self.states[n]))
+        objectives = {element for role, element in said if role == "objective"}
+        return set[str]().union(*ways.values()), objectives
 
     def always_leads(self, to: frozenset[str]) -> bool:
         """Whether from each of its states some run leads to one of some targets."""
@@ -299,7 +333,7 @@ class PlayedSections:
         certcheck.need(
             fine, "sections are not apart: facts, late losses, or what happens once", certcheck.Limit
         )
-        self.robot, self.sections = robot, {each["name"]: each for each in sections}
+        self.budget, self.robot, self.sections = budget, robot, {each["name"]: each for each in sections}
         self.entry, self.types = core["graph"]["entry"], dict[str, PlayedType]()
         self.type, self.targets = dict[str, PlayedType](), dict[str, dict[str, str]]()
         self.names = dict[str, dict[tuple[str, str], str]]()
@@ -338,22 +372,43 @@ class PlayedSections:
                     todo.append(name)
         return good >= self.reached and self.ends <= ends
 
-    def reaches(self, ends: set[str]) -> bool:
-        """Whether one of some ends is reached while the status of hardware stays as it is at first."""
-        met = certcheck.grown(
+    def steadily_reached(self) -> set[str]:
+        """The sections that are reached while the status of hardware stays as it is at first."""
+        return certcheck.grown(
             [self.entry], lambda name: self.led(name, self.type[name].leads_steadily), self.type
         )
+
+    def reaches(self, ends: set[str]) -> bool:
+        """Whether one of some ends is reached so."""
+        met = self.steadily_reached()
         return any(
             ENDS.get(to) in ends for name in met for to in self.led(name, self.type[name].leads_steadily)
         )
+
+    @cached_property
+    def formulas(self) -> sectionforms.SectionFormulas:
+        """What formulas are asked of."""
+        return sectionforms.SectionFormulas(self)
 
 
 def judge(sections: PlayedSections, claim: Json) -> None:
     """Proves a claim, or says why not."""
     kind, holds = claim["kind"], claim["holds"]
-    certcheck.need(kind in KINDS, f"no claim of sections is of the kind {kind[:60]}", certcheck.Malformed)
-    for part in ("statement", "evidence"):
-        certcheck.part(claim, part)
+    certcheck.need(
+        kind in KINDS | STATED, f"no claim of sections is of the kind {kind[:60]}", certcheck.Malformed
+    )
+    certcheck.part(claim, "evidence")
+    if kind == "formula":
+        form = sectionforms.read(certcheck.part(claim, "statement", text=str, formula=list)["formula"])
+        fine = sections.formulas.holds(form) == holds
+        certcheck.need(fine, f"the formula is {not holds}".lower())
+        return
+    if kind == "nominal_success":
+        said = certcheck.part(claim, "statement", fails=[str], endless=[str], meant=[str], repaired=[str])
+        certcheck.need(holds, "that it fails is never certified")
+        sections.formulas.nominal(said)
+        return
+    certcheck.part(claim, "statement")
     if kind == "can_always_go_on":
         stuck = any(sections.type[name].stuck for name in sections.reached)
         certcheck.need(holds and not stuck, "in some state of a section nothing happens")
