@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 try:
     from mcpn.certificates import certcheck
@@ -18,9 +18,9 @@ except ImportError:  # the files alone, beside each other
     import certcheck  # type: ignore[import-not-found, no-redef]
     from coregraph import ENDS, Event  # type: ignore[import-not-found, no-redef]
 
-if TYPE_CHECKING:
-    from mcpn.certificates.sections.sectioncheck import PlayedSections, PlayedType
-
+PlayedSections = Any
+PlayedType = Any
+"""The classes of sectioncheck, which imports this file."""
 Form = tuple[Any, ...]
 TRUE: Form = ("and",)
 FALSE: Form = ("or",)
