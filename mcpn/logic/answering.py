@@ -57,8 +57,6 @@ FIRST_STEPS, STEPS_FACTOR, MOST_STEPS = 600_000, 2, 2**60
 """Of the race for the space, how many times as many each turn has, and when it goes on to its end."""
 SHARE, SHARE_OF_SMALL, SHORT_SLICE = 0.75, 8, 0.05
 """The space's time beside all other ways, if small; seconds of first turns where a search comes first."""
-SHARE_OF_EQUATION = 2
-"""Of the state equation's time beside other ways, for three kinds of questions are asked of it."""
 RESTS = 4
 """How many times as long as formulas have been rewritten they are not, although more is known."""
 FIRST_SLICE_OF_QUESTION, FIRST_ROUND, SLICE_FACTOR = 0.4, 1.0, 3.0
@@ -185,12 +183,7 @@ class _Answers(OpenQuestions):
                 at_sight = chain(at_sight, structure)
             beside = [equation, self.by_need(), self.by_paths()]
             beside.insert(0 if self.searched else len(beside), search)
-            others = in_turns(
-                beside,
-                lambda: not self.waiting,
-                first=SHORT_SLICE,
-                share=lambda way: SHARE_OF_EQUATION if way is equation else 1,
-            )
+            others = in_turns(beside, lambda: not self.waiting, first=SHORT_SLICE)
             return [at_sight, others, *space] if self.searched else [at_sight, *space, others]
         # The space of a mission is not far, once a search has found nothing; in a small one it has the
         # shortest runs.
