@@ -192,3 +192,38 @@ def test_neither_checks_sections_that_share_more_than_hardware(checker: Path, fi
     expected, found = of_both(checker, file, core)
     assert found == expected
     assert kinds_of(found) == {"not checked"}
+
+
+FORMULA = {"text": "it may succeed", "formula": ["EU", ["and"], ["says", "success", ""]]}
+NOMINAL: dict[str, list[str]] = {"fails": [], "endless": [], "meant": [], "repaired": []}
+
+
+def claiming(kind: str, statement: Any) -> Any:
+    """The claims on a row of sites that are proved, and one that states something besides."""
+    claims = [each for each in CLAIMED["claims"] if each["key"] == "can_succeed True"]
+    return CLAIMED | {"claims": [*claims, claims[0] | {"key": kind, "kind": kind, "statement": statement}]}
+
+
+@pytest.mark.parametrize(("kind", "statement"), [("formula", FORMULA), ("nominal_success", NOMINAL)])
+def test_the_program_says_that_it_does_not_check_what_is_stated_besides(
+    checker: Path, file: Path, kind: str, statement: Any
+) -> None:
+    expected, found = of_both(checker, file, core_of(3), claiming(kind, statement))
+    assert isinstance(expected, list)
+    assert expected[0] == ("proved", "can_succeed True")
+    assert found == [expected[0], ("not checked", kind)]
+    assert subprocess.run([checker, file], check=False, capture_output=True).returncode == 2
+
+
+@pytest.mark.parametrize(
+    ("kind", "statement"),
+    [
+        ("formula", {}),
+        ("formula", FORMULA | {"formula": "x"}),
+        ("formula", NOMINAL),
+        ("nominal_success", {}),
+        ("nominal_success", NOMINAL | {"meant": [1]}),
+    ],
+)
+def test_both_refuse_what_states_nothing(checker: Path, file: Path, kind: str, statement: Any) -> None:
+    assert of_both(checker, file, core_of(3), claiming(kind, statement)) == ("malformed", "malformed")
