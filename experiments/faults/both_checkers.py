@@ -17,7 +17,7 @@ from typing import Any
 from mcpn.certificates import certcheck, corecheck, ctlcheck, diagcheck, furthercheck
 from mcpn.certificates.sections import sectioncheck
 
-SOURCES = Path(__file__).resolve().parents[2] / "tests" / "certificates"
+SOURCES = Path(__file__).resolve().parents[2] / "tests" / "certificates" / "second"
 PROGRAMS: dict[str, tuple[ModuleType, str]] = {
     "claims": (certcheck, "checker"),
     "core": (corecheck, "core_checker"),

@@ -50,7 +50,7 @@ SMALL = """
 def compiled(name: str, folders: pytest.TempPathFactory) -> Path:
     """A program in C++ of this folder."""
     options = ["-O1", "-std=c++17", "-Wall", "-Wextra", "-Werror"]
-    command = [*cpp_compiler(), *options, str(Path(__file__).with_name(f"{name}.cpp")), "-o", name]
+    command = [*cpp_compiler(), *options, str(Path(__file__).parent / "second" / f"{name}.cpp"), "-o", name]
     return built_once(folders, name, lambda at: subprocess.run(command, cwd=at, check=True)) / name
 
 
