@@ -200,8 +200,9 @@ NOMINAL: dict[str, list[str]] = {"fails": [], "endless": [], "meant": [], "repai
 
 def claiming(kind: str, statement: Any) -> Any:
     """The claims on a row of sites that are proved, and one that states something besides."""
-    claims = [each for each in CLAIMED["claims"] if each["key"] == "can_succeed True"]
-    return CLAIMED | {"claims": [*claims, claims[0] | {"key": kind, "kind": kind, "statement": statement}]}
+    document: Any = CLAIMED
+    claims = [each for each in document["claims"] if each["key"] == "can_succeed True"]
+    return document | {"claims": [*claims, claims[0] | {"key": kind, "kind": kind, "statement": statement}]}
 
 
 @pytest.mark.parametrize(("kind", "statement"), [("formula", FORMULA), ("nominal_success", NOMINAL)])
