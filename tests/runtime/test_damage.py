@@ -98,6 +98,26 @@ def test_what_is_wrong_is_said_with_its_place(change: Any, where: str, watch: Mi
         Controller.from_document(signed(said))
 
 
+TIMED = """<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r">
+<activity name="a"/><activity name="b"/></robot>
+<parallel name="block" timeout="9"><objective name="one" activities="a" timeout="5"/>
+<objective name="other" activities="b"/></parallel></mission>"""
+
+
+@pytest.mark.parametrize(("table", "name"), [("objectives", "one"), ("blocks", "block")])
+def test_a_timeout_is_greater_than_zero(table: str, name: str, tmp_path: Path) -> None:
+    """A timer of no time would be over before it runs."""
+    (file := tmp_path / "mission.xml").write_text(TIMED)
+    net = compose(read_mission(file))
+    said = json.loads(write_json(document(generate(net), net)))
+    for seconds in (0, 0.0, -1):
+        said[table][name]["timeout"] = seconds
+        with pytest.raises(ControllerFileError, match=rf"{table}.*{name}.*timeout: found .*greater than 0"):
+            Controller.from_document(signed(said))
+    said[table][name]["timeout"] = 1e-9
+    Controller.from_document(signed(said))
+
+
 def numbers_in(value: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
     """Where numbers stand in a value."""
     if type(value) is int:
