@@ -164,6 +164,7 @@ BARS: tuple[tuple[str, int, str, float, int | None], ...] = (
     ("pausing", 10, "modular", 5, None),
     ("quadruped", 6, "modular", 3, None),
     ("sites", 5, "tests", 5, None),
+    ("sites", 5, "flat", 1.2, None),
     ("inspecting", 10_000, "check", 15, 500),
     ("inspecting", 10_000, "causes", 40, None),
     ("inspecting", 10_000, "report", 45, None),
@@ -278,12 +279,13 @@ def write(family: str, size: int, folder: str) -> Path:
 OUTPUTS = {
     "controller": ("-o", "controller"),
     "modular": ("-o", "controller", "--form", "modular"),
+    "flat": ("-o", "controller", "--form", "flat"),
     "report": ("-o", "report.html"),
     "tests": ("-o", "tests"),
     "text": (),
 }
 """The options of commands that write files, or words; others have ``--json``."""
-NAMES = {"modular": "controller", "text": "causes"}
+NAMES = {"modular": "controller", "flat": "controller", "text": "causes"}
 """By their names in :data:`BARS` the commands that are called otherwise."""
 
 

@@ -75,7 +75,7 @@ def controller(
 
     A mission that mcpn check says no to is reported, and nothing is written: exit code 1.
     """
-    from mcpn.controller.document import document
+    from mcpn.controller.document import document_in_rows
     from mcpn.controller.generate import refuse_or_tell
     from mcpn.controller.hierarchy import TableController
     from mcpn.controller.minimise import minimise
@@ -102,7 +102,7 @@ def controller(
     if form == "minimised" and isinstance(found, TableController):
         found = minimise(found)
         size = f"{size}; minimised: {found.states} states, {found.moves} edges"
-    texts = files(document(found, study.mission_net, verified=not unverified), target)
+    texts = files(document_in_rows(found, study.mission_net, verified=not unverified), target)
     write_folder(output, texts)
     if certificate is not None:
         from mcpn.certificates.writing import certificate_of

@@ -84,12 +84,14 @@ objectives.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from mcpn.answers.verdicts.modes import Situation
 from mcpn.controller.hierarchy import SectionMachine
 from mcpn.controller.machine import PlannedAction
 from mcpn.controller.modular import AnyController, Rules
+from mcpn.controller.moves import Move, Moves
 from mcpn.drawing.compose import MissionNet
 from mcpn.events import Event, What
 from mcpn.mission.conditions import flags
@@ -99,11 +101,23 @@ from mcpn.mission.graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.robot import Parameter
 from mcpn.robot.runtime.documents import FORMAT, VERSION
 from mcpn.robot.runtime.file_schema import digest_of
+from mcpn.robot.targets.json import canonical
+from mcpn.robot.targets.rows import Rows
 from mcpn.spaces.memoized import ByKey
 
 
 def document(controller: AnyController, mission_net: MissionNet, *, verified: bool = True) -> dict[str, Any]:
-    """The controller as a JSON object.
+    """The controller as a JSON object, as :func:`document_in_rows` gives it, but with nothing but lists."""
+    found = document_in_rows(controller, mission_net, verified=verified)
+    for type_ in found["types"]:
+        type_ |= {key: list(value) for key, value in type_.items() if isinstance(value, Rows)}
+    return found
+
+
+def document_in_rows(
+    controller: AnyController, mission_net: MissionNet, *, verified: bool = True
+) -> dict[str, Any]:
+    """The controller as a JSON object, with its edges as rows, which targets read and ``json`` does not.
 
     Args:
         controller: The controller.
@@ -143,7 +157,7 @@ def document(controller: AnyController, mission_net: MissionNet, *, verified: bo
     }
     if not verified:
         found["unverified"] = True
-    return found | {"digest": digest_of(found)}
+    return found | {"digest": digest_of(found, canonical)}
 
 
 def _hardware(mission_net: MissionNet) -> dict[str, Any]:
@@ -212,9 +226,6 @@ def _rules(rules: Rules) -> dict[str, Any]:
 
 
 def _machine(machine: SectionMachine) -> dict[str, Any]:
-    # Edges are many, and do few things: what several of them say is one object.
-    actions = ByKey[tuple[PlannedAction, ...], list[dict[str, str]]](lambda told: [_action(a) for a in told])
-    names = ByKey[tuple[str, ...], list[str]](list)
     return {
         "hardware": list(machine.hardware),
         "once": list(machine.once),
@@ -232,20 +243,26 @@ def _machine(machine: SectionMachine) -> dict[str, Any]:
             }
             for entry in machine.entries
         ],
-        "edges": [
-            {
-                "from": move.source,
-                "event": move.event,
-                "to": move.target,
-                "actions": actions[move.actions],
-                "open": names[move.guard.open],
-                "happened": names[move.guard.happened],
-                "gained": names[move.gained],
-                "lost": names[move.lost],
-            }
-            for move in machine.moves
-        ],
+        "edges": _edges(machine.moves),
     }
+
+
+def _edges(moves: Sequence[Move]) -> Rows:
+    moves = moves if isinstance(moves, Moves) else Moves.of(moves)
+    columns = {"from": moves.sources.tolist(), "event": moves.events.tolist(), "to": moves.targets}
+    actions = ByKey[tuple[PlannedAction, ...], list[dict[str, str]]](lambda told: [_action(a) for a in told])
+    shared = [
+        {
+            "actions": actions[ordered],
+            "open": list(guard.open),
+            "happened": list(guard.happened),
+            "gained": list(gained),
+            "lost": list(lost),
+        }
+        for ordered, guard, gained, lost in moves.done
+    ]
+    keys = ("from", "event", "to", "actions", "open", "happened", "gained", "lost")
+    return Rows(keys, columns, moves.kinds.tolist(), shared)
 
 
 def _state(state: Situation) -> dict[str, Any]:

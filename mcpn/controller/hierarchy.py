@@ -18,7 +18,7 @@ keeps the hardware out of service; guards of moves ask for them. In the flat con
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import compress
 from typing import Literal
@@ -29,7 +29,8 @@ from mcpn.answers.verdicts.modes import Situation
 from mcpn.composite.composite import CompositeSpace
 from mcpn.composite.renaming import Renaming
 from mcpn.composite.section_type import SectionType
-from mcpn.controller.machine import Machine, PlannedAction, controller, event_at
+from mcpn.controller.machine import Machine, PlannedAction, controller, distinct, event_at
+from mcpn.controller.moves import Move, Moves
 from mcpn.controller.sizes import refuse_entries
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.forgetful import ALWAYS, Guard
@@ -38,6 +39,7 @@ from mcpn.drawing.status import told_as_facts
 from mcpn.events import START, Event, What
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.notebook import Drawn
+from mcpn.spaces.markings.graph import Ints
 from mcpn.spaces.memoized import memoized
 from mcpn.spaces.stable.alternatives import AlternativesGraph
 
@@ -46,29 +48,6 @@ KINDS = ("hardware", "objectives", "activities", "alternatives")
 
 NAMED = (*KINDS, "once", "facts")
 """Kinds of names that differ between sections of one type."""
-
-
-@dataclass(frozen=True, slots=True)
-class Move:
-    """What a section's machine does on an event inside it.
-
-    Args:
-        source: Number of the state that it is in.
-        event: Number of the event.
-        target: Number of the state that it goes to, or the outcome with which it leaves the section.
-        actions: In order.
-        guard: When it is taken; at most one of those of a state and event is.
-        gained: What becomes true of facts.
-        lost: What is no longer true of them.
-    """
-
-    source: int
-    event: int
-    target: int | str
-    actions: tuple[PlannedAction, ...]
-    guard: Guard = ALWAYS
-    gained: tuple[str, ...] = ()
-    lost: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +87,7 @@ class SectionMachine:
     events: tuple[Event, ...]
     states: tuple[Situation, ...]
     entries: tuple[Entry | None, ...]
-    moves: tuple[Move, ...]
+    moves: Sequence[Move]
     once: tuple[str, ...] = ()
     facts: tuple[str, ...] = ()
     entering: int = 0
@@ -299,28 +278,25 @@ def inner_machine(
         event_of[t] = bisect_left(events, event_at(graph.net, t))
     edges = np.flatnonzero(moving)
     edges = edges[np.lexsort((event_of[graph.labels[edges]], graph.sources[edges]))]
-    targets = graph.targets[edges]
-    columns = (
-        number_of[graph.sources[edges]],
-        event_of[graph.labels[edges]],
-        np.where(ended[targets], -1 - targets, number_of[targets]),
-        machine.orders[edges],
-        graph.labels[edges],
-        graph.sources[edges],
-        targets,
-    )
-    states, lists, guards = machine.states, machine.lists, guards or {}
-    moves = tuple(
-        Move(
-            source,
-            event,
-            to if to >= 0 else _outcome(states[-1 - to]),
-            lists[order],
-            guards.get(t, ALWAYS),
-            *flags_of.changes(before, after),
-        )
-        for source, event, to, order, t, before, after in zip(*(c.tolist() for c in columns), strict=True)
-    )
+    sources, targets, labels_of = graph.sources[edges], graph.targets[edges], graph.labels[edges]
+    states, lists = machine.states, machine.lists
+    numbers: dict[Guard, int] = {ALWAYS: 0}
+    guard_of, outcome_of = np.zeros(len(transitions), np.int64), np.zeros(len(states), np.int64)
+    for t, guard in (guards or {}).items():
+        guard_of[t] = numbers.setdefault(guard, len(numbers))
+    outcomes: dict[str, int] = {}
+    for number in np.flatnonzero(ended).tolist():
+        outcome_of[number] = outcomes.setdefault(_outcome(states[number]), len(outcomes))
+    said = flags_of.said
+    kinds = np.stack((machine.orders[edges], guard_of[labels_of], said[sources], said[targets]))
+    first, kind_of = distinct(kinds)
+    by_number = [*numbers]
+    done = [
+        (lists[order], by_number[guard], *flags_of.changed(was, now))
+        for order, guard, was, now in kinds[:, first].T.tolist()
+    ]
+    to = np.where(ended[targets], -1 - outcome_of[targets], number_of[targets])
+    moves = Moves(number_of[sources], event_of[labels_of], to, (*outcomes,), kind_of, done)
     for edge in np.flatnonzero(~moving).tolist():
         if transitions[graph.labels[edge]].event == START:
             source, target = int(graph.sources[edge]), int(graph.targets[edge])
@@ -351,6 +327,7 @@ class _Flags:
     Attributes:
         at_entries: Flags that are true in some state before the start.
         names: All flags, those at entries first.
+        said: By state, the number of the set of its flags.
     """
 
     def __init__(self, machine: Machine, flags: Mapping[str, tuple[int, bool]]) -> None:
@@ -363,20 +340,21 @@ class _Flags:
         if true:
             each, numbers = np.unique(np.array([*true.values()]), axis=1, return_inverse=True)
             self._sets = [frozenset(compress(true, column)) for column in each.T.tolist()]
-            self._set_of: list[int] = numbers.reshape(-1).tolist()
+            self.said: Ints = numbers.reshape(-1).astype(np.int64)
         else:
-            self._sets, self._set_of = [frozenset()], [0] * states
+            self._sets, self.said = [frozenset()], np.zeros(states, np.int64)
 
     def of(self, number: int) -> frozenset[str]:
         """The flags that are true in a state."""
-        return self._sets[self._set_of[number]]
+        return self._sets[int(self.said[number])]
 
     def changes(self, before: int, after: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """The flags that become true from one state to another, and those that become false."""
-        return self._changed(self._set_of[before], self._set_of[after])
+        return self.changed(int(self.said[before]), int(self.said[after]))
 
     @memoized
-    def _changed(self, was: int, now: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    def changed(self, was: int, now: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """The flags that become true from one set of flags to another, and those that become false."""
         before, after = self._sets[was], self._sets[now]
         return tuple(sorted(after - before)), tuple(sorted(before - after))
 

@@ -14,12 +14,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, reduce
+from operator import or_
 from typing import Literal
 
 import numpy as np
 
-from mcpn.answers.verdicts.modes import Situation, said_by
+from mcpn.answers.verdicts.modes import Situation, said_as, said_by
 from mcpn.controller.run_to_completion import Runner, Stopped
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.sections import section_part
@@ -29,6 +30,7 @@ from mcpn.mission.graph import names_in
 from mcpn.mission.static.resource_use import Usage
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.markings.graph import Ints
+from mcpn.spaces.markings.masked import bits_of
 from mcpn.spaces.stable.alternatives import AlternativesGraph
 
 Verb = Literal["disarm", "stop", "release", "select", "start", "arm"]
@@ -285,15 +287,34 @@ def event_at(net: PetriNet, label: int) -> Event:
 
 
 def situations(mission_net: MissionNet, packed: Sequence[int]) -> tuple[Situation, ...]:
-    """The situations of markings, which are integers with a bit for each place; equal ones are one object."""
-    with_role = sorted(mission_net.roles)
-    mask = sum(1 << place for place in with_role)
+    """The situations of markings, which are integers with a bit for each place; equal ones are one object.
+
+    Each field is said by few of the places, which many markings mark alike: it is found once for these.
+    """
+    masks = dict[str, int]()
+    """By field, the places that say it."""
+    for place, (role, _) in mission_net.roles.items():
+        if (field := _OTHERS.get(role) or said_as(role)) is not None:
+            masks[field] = masks.get(field, 0) | 1 << place
+    mask = reduce(or_, masks.values(), 0)
+    filled = {field: first for first in masks for field in (first, *_WITH.get(first, ()))}
+
+    @cache
+    def part(marked: int) -> Situation:
+        return said_by(mission_net, bits_of(marked))
 
     @cache
     def said(marked: int) -> Situation:
-        return said_by(mission_net, [place for place in with_role if marked >> place & 1])
+        parts = {field: part(marked & places) for field, places in masks.items()}
+        return Situation(**{field: getattr(parts[first], field) for field, first in filled.items()})
 
     return tuple(said(marking & mask) for marking in packed)
+
+
+_OTHERS = dict.fromkeys(("success", "failure", "abort", "exit"), "outcome") | {"known": "out_of_service"}
+"""By role that says no field alone, the field that it says with others."""
+_WITH = {"out_of_service": ("unnoticed",)}
+"""By field, those that the same places say."""
 
 
 class Ordered:

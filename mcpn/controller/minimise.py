@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from dataclasses import replace
 
-from mcpn.controller.hierarchy import Move, SectionMachine, TableController
+from mcpn.controller.hierarchy import SectionMachine, TableController
+from mcpn.controller.moves import Move, Moves
 
 
 def minimise(controller: TableController) -> TableController:
@@ -65,7 +66,7 @@ def quotient(machine: SectionMachine, classes: Sequence[int]) -> SectionMachine:
         machine,
         states=tuple(machine.states[number] for number in first.values()),
         entries=tuple(e and replace(e, target=classes[e.target]) for e in machine.entries),
-        moves=tuple(
+        moves=Moves.of(
             replace(
                 m,
                 source=classes[m.source],

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from mcpn.controller.hierarchy import Move, SectionMachine
+from mcpn.controller.hierarchy import SectionMachine
+from mcpn.controller.moves import Move
 from mcpn.drawing.forgetful import Guard
 
 

@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 from mcpn.answers.verdicts.modes import Situation
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.controller.hierarchy import Entry, Move, SectionMachine
+from mcpn.controller.hierarchy import Entry, SectionMachine
 from mcpn.controller.machine import PlannedAction
 from mcpn.controller.minimise import minimise, partition, quotient
+from mcpn.controller.moves import Move
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.forgetful import Guard
 from mcpn.errors import LimitError, SemanticsError

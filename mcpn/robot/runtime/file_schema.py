@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any
 
 from mcpn.robot.runtime.documents import CONTROLLER, CONTROLLER_RULES, ENDS, FORMAT, FORMS, MODES, VERSION
@@ -81,21 +81,30 @@ def signed_line(document: Mapping[str, Any]) -> str:
     return f'{text[:-1]}, "digest": "{digest}"}}'
 
 
-def digest_of(document: Mapping[str, Any]) -> str:
-    """The digest of a controller: SHA-256 of its JSON text without ``digest``, keys sorted, no spaces."""
-    found = hashlib.sha256()
-    for piece in _pieces({key: value for key, value in document.items() if key != "digest"}, 2):
-        found.update(piece.encode("utf-8", "surrogatepass"))
-    return found.hexdigest()
+def _canonical(value: Any) -> Iterator[str]:
+    yield _CANONICAL(value)
 
 
 _CANONICAL = json.JSONEncoder(sort_keys=True, ensure_ascii=False, separators=(",", ":")).encode
 
 
-def _pieces(value: Any, depth: int) -> Iterator[str]:
+def digest_of(document: Mapping[str, Any], canonical: Callable[[Any], Iterator[str]] = _canonical) -> str:
+    """The digest of a controller: SHA-256 of its JSON text without ``digest``, keys sorted, no spaces.
+
+    Args:
+        document: The controller's.
+        canonical: Makes this text of values, piece by piece.
+    """
+    found = hashlib.sha256()
+    for piece in _pieces({key: value for key, value in document.items() if key != "digest"}, 2, canonical):
+        found.update(piece.encode("utf-8", "surrogatepass"))
+    return found.hexdigest()
+
+
+def _pieces(value: Any, depth: int, canonical: Callable[[Any], Iterator[str]]) -> Iterator[str]:
     """The text piece by piece, so that the text of a large controller is never in memory as a whole."""
     if not depth or not isinstance(value, dict | list):
-        yield _CANONICAL(value)
+        yield from canonical(value)
         return
     keyed = isinstance(value, dict)
     yield "{" if keyed else "["
@@ -103,7 +112,7 @@ def _pieces(value: Any, depth: int) -> Iterator[str]:
         yield "," if number else ""
         if keyed:
             yield _CANONICAL(item) + ":"
-        yield from _pieces(value[item] if keyed else item, depth - 1)
+        yield from _pieces(value[item] if keyed else item, depth - 1, canonical)
     yield "}" if keyed else "]"
 
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
+
+from mcpn.robot.targets.rows import Rows
 
 FILE_NAME = "controller.json"
 
@@ -18,20 +20,42 @@ def write_json(document: Mapping[str, Any]) -> str:
     Returns:
         The text, a line for each state, entry and edge, ending in a newline.
     """
-    return _text(document, 0, 3) + "\n"
+    return "".join((*_pieces(document, 0, 3), "\n"))
 
 
-def _text(value: Any, depth: int, broken: int) -> str:
-    """JSON with a line for each member down to some depth, and whole members below it."""
-    if depth == broken or not isinstance(value, dict | list) or not value:
-        return json.dumps(value, ensure_ascii=False)
-    inner = " " * (depth + 1)
-    if isinstance(value, dict):
-        members = [
-            f"{json.dumps(key, ensure_ascii=False)}: {_text(member, depth + 1, broken)}"
-            for key, member in value.items()
-        ]
+def canonical(value: object) -> Iterator[str]:
+    """JSON of which digests are made, piece by piece: without spaces, keys sorted."""
+    if isinstance(value, dict) and any(isinstance(each, Rows) for each in value.values()):
+        for number, key in enumerate(sorted(value)):
+            yield f"{',' if number else '{'}{_CANONICAL(key)}:"
+            yield from canonical(value[key])
+        yield "}"
+    elif isinstance(value, Rows):
+        yield from value.pieces(_CANONICAL, ",", ":", ordered=True)
     else:
-        members = [_text(member, depth + 1, broken) for member in value]
+        yield _CANONICAL(value)
+
+
+_CANONICAL = json.JSONEncoder(sort_keys=True, ensure_ascii=False, separators=(",", ":")).encode
+_SPACED = json.JSONEncoder(ensure_ascii=False).encode
+
+
+def _pieces(value: Any, depth: int, broken: int) -> Iterator[str]:
+    """JSON with a line for each member down to some depth, and whole members below it."""
+    if isinstance(value, Rows):
+        yield from value.pieces(_SPACED, ", ", ": ", ordered=False)
+        return
+    if depth == broken or not isinstance(value, dict | list) or not value:
+        yield _SPACED(value)
+        return
     left, right = "{}" if isinstance(value, dict) else "[]"
-    return f"{left}\n{inner}" + f",\n{inner}".join(members) + f"\n{' ' * depth}{right}"
+    begin = f"{left}\n{' ' * (depth + 1)}"
+    for member in value:
+        yield begin
+        if isinstance(value, dict):
+            yield f"{_SPACED(member)}: "
+            yield from _pieces(value[member], depth + 1, broken)
+        else:
+            yield from _pieces(member, depth + 1, broken)
+        begin = f",\n{' ' * (depth + 1)}"
+    yield f"\n{' ' * depth}{right}"
