@@ -628,12 +628,12 @@ def read(path: str) -> tuple[dict[str, bytes], Net, list[Json]]:
     """The entries of a certificate, its net, and its claims; raises Malformed and Limit."""
     entries = unpacked(path)
     net = Net(parsed(entries, "net.json"))
-    return entries, net, claims_in(entries, "claims.json", CLAIMS)
+    return entries, net, claims_in(parsed(entries, "claims.json"), "claims.json", CLAIMS)
 
 
-def claims_in(entries: dict[str, bytes], name: str, shape: Json) -> list[Json]:
+def claims_in(document: Json, name: str, shape: Json) -> list[Json]:
     """The claims of an entry of some shape, no two with one key."""
-    claims: list[Json] = shaped(parsed(entries, name), shape, name)["claims"]
+    claims: list[Json] = shaped(document, shape, name)["claims"]
     keys = {claim["key"] for claim in claims}
     need(len(keys) == len(claims), f"{name}: two claims have one key", Malformed)
     return claims

@@ -14,7 +14,7 @@ from __future__ import annotations
 import re
 import sys
 import time
-from collections.abc import Iterable, Iterator, Set
+from collections.abc import Callable, Iterable, Iterator, Set
 from typing import Any
 
 try:
@@ -290,22 +290,32 @@ def document_at(path: str) -> Json:
     return document
 
 
-def checked(
-    certificate: str, controller: str, *, most: int = 2_000_000, seconds: float = 600
-) -> certcheck.Report:
-    """Checks a controller against the net of a certificate; raises Malformed and Limit as certcheck does."""
-    until = time.monotonic() + seconds
-    net = certcheck.Net(certcheck.parsed(certcheck.unpacked(certificate), "net.json"))
+def reported(controller: str, walk: Callable[[Json], str]) -> certcheck.Report:
+    """What a walk of the document at a path shows; raises Malformed where mcpn would not write it so."""
+    document = document_at(controller)
     try:
-        read = ctlforms.WalkedController(document_at(controller))
-        pairs, taken = walked(certcheck.Listing(net, most, until), read)
+        return [("proved", "controller", walk(document))]
     except certcheck.Refuted as error:
         return [("refuted", "controller", str(error))]
     except (LookupError, TypeError, ValueError, AttributeError) as error:
         raise certcheck.Malformed(
             f"{controller}: the document is not as mcpn writes it: {error!r}"
         ) from error
-    return [("proved", "controller", f"{pairs} pairs of states, {taken} events between them")]
+
+
+def checked(
+    certificate: str, controller: str, *, most: int = 2_000_000, seconds: float = 600
+) -> certcheck.Report:
+    """Checks a controller against the net of a certificate; raises Malformed and Limit as certcheck does."""
+    until = time.monotonic() + seconds
+    net = certcheck.Net(certcheck.parsed(certcheck.unpacked(certificate), "net.json"))
+
+    def walk(document: Json) -> str:
+        read = ctlforms.WalkedController(document)
+        pairs, taken = walked(certcheck.Listing(net, most, until), read)
+        return f"{pairs} pairs of states, {taken} events between them"
+
+    return reported(controller, walk)
 
 
 def main(arguments: list[str] | None = None) -> int:

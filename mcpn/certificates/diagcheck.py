@@ -384,8 +384,8 @@ def checked(path: str, *, most: int = 5_000_000, seconds: float = 600) -> certch
     """Checks the claims by diagrams of a certificate; raises Malformed and Limit as certcheck does."""
     until, entries = time.monotonic() + seconds, certcheck.unpacked(path)
     net = certcheck.Net(certcheck.parsed(entries, "net.json"))
-    claims = certcheck.claims_in(entries, "diagrams.json", DIAGRAMS)
     document = certcheck.parsed(entries, "diagrams.json")
+    claims = certcheck.claims_in(document, "diagrams.json", DIAGRAMS)
     sets = cache(lambda: CertifiedSets(net, document, most, until))
     deepest = sys.getrecursionlimit()
     sys.setrecursionlimit(max(deepest, 20 * len(net.names) + 1000))

@@ -419,7 +419,8 @@ def judge(graph: LabelledStates, claim: Json) -> None:
 
 def judged(listing: Callable[[], certcheck.Listing], entries: dict[str, bytes]) -> certcheck.Report:
     """What becomes of the further claims, on states that are listed."""
-    claims = certcheck.claims_in(entries, "further.json", FURTHER)
+    document = certcheck.parsed(entries, "further.json")
+    claims = certcheck.claims_in(document, "further.json", FURTHER)
     try:
         graph = LabelledStates(listing())
     except (certcheck.Refuted, certcheck.Limit) as error:

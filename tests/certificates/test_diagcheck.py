@@ -59,6 +59,19 @@ def test_it_is_checked_alone_beside_the_other_file(small: bytes, tmp_path: Path)
     assert "--max-nodes" in run.stdout
 
 
+def test_each_entry_is_parsed_once(small: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, asked, parsed = tmp_path / "mission.cert", list[str](), certcheck.parsed
+    path.write_bytes(small)
+
+    def counted(entries: dict[str, bytes], name: str, *numbers: Any) -> Any:
+        asked.append(name)
+        return parsed(entries, name, *numbers)
+
+    monkeypatch.setattr(certcheck, "parsed", counted)
+    assert {how for how, *_ in diagcheck.checked(str(path))} == {"proved"}
+    assert sorted(asked) == ["diagrams.json", "net.json"]
+
+
 @pytest.mark.slow
 def test_ulysse_is_proved_by_diagrams() -> None:
     certificate = certificate_of(Study(read_mission(ULYSSE)).verdicts(), max_states=10)

@@ -149,11 +149,14 @@ def test_one_section_of_sixty_is_enough(
     assert sectionctl.main(asked) == 1
 
 
-def test_a_flat_controller_has_no_sections(tmp_path: Path) -> None:
+def test_a_flat_controller_has_no_sections(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     study = study_of(2)
     asked = files(tmp_path, plain(core_entry(study.mission_net)), made(study, "flat"))
     with pytest.raises(certcheck.Limit, match="no sections"):
         sectionctl.checked(*asked)
+    with pytest.raises(SystemExit):
+        sectionctl.main(["--help"])
+    assert "hierarchical or modular" in capsys.readouterr().out
 
 
 def test_what_is_no_controller_is_not_checked(cases: tuple[Document, Document], tmp_path: Path) -> None:

@@ -386,6 +386,15 @@ class PlayedSections:
         )
 
     @cached_property
+    def way_numbers(self) -> dict[str, int]:
+        """The number of each alternative, by ``activity.alternative``."""
+        return {
+            f"{name}.{way['name']}": number
+            for name in self.robot.activities
+            for number, way in enumerate(self.robot.ways(name))
+        }
+
+    @cached_property
     def formulas(self) -> sectionforms.SectionFormulas:
         """What formulas are asked of."""
         return sectionforms.SectionFormulas(self)
@@ -425,7 +434,8 @@ def judge(sections: PlayedSections, claim: Json) -> None:
 def checked(path: str, *, most: int = MOST_STATES, seconds: float = 600) -> certcheck.Report:
     """Checks the claims by sections of a certificate; raises Malformed and Limit as certcheck does."""
     budget, entries = Budget(most, time.monotonic() + seconds), certcheck.unpacked(path)
-    claims = certcheck.claims_in(entries, "sections.json", certcheck.CLAIMS)
+    document = certcheck.parsed(entries, "sections.json")
+    claims = certcheck.claims_in(document, "sections.json", certcheck.CLAIMS)
     sections = PlayedSections(certcheck.parsed(entries, "core.json"), budget)
     return certcheck.each(lambda claim: judge(sections, claim), claims)
 

@@ -106,11 +106,6 @@ class ControllerBySections:
         ctlforms.numbers([each["type"] for each in document["sections"]], len(document["types"]))
         self.used = [sorted({*names_in(row)}) for row in document["types"]]
         self.robots = {*document["all_hardware"]} - {*document["crashing"], *document["common_causes"]}
-        self.ways = {
-            f"{name}.{way['name']}": number
-            for name in played.robot.activities
-            for number, way in enumerate(played.robot.ways(name))
-        }
         self.of_hardware = {
             ctlcheck.text_of((what, name)): name
             for name in document["hardware"]
@@ -211,7 +206,8 @@ class ControllerBySections:
                 return both if any(both) else f"?{name}"
             case "alternatives":
                 activity = names.get(("a", name.split(".", 1)[0]))
-                return (activity, self.ways[name]) if activity and name in self.ways else f"?{name}"
+                number = self.played.way_numbers.get(name)
+                return f"?{name}" if activity is None or number is None else (activity, number)
         return f"?{name}"
 
     def event(self, name: str, event: Event) -> tuple[str, ...]:
@@ -339,24 +335,18 @@ def checked(
     """Checks a controller against a core mission; raises Malformed and Limit as certcheck does."""
     budget = sectioncheck.Budget(most, time.monotonic() + seconds)
     core = certcheck.parsed(certcheck.unpacked(certificate), "core.json")
-    document, played = ctlcheck.document_at(controller), sectioncheck.PlayedSections(core, budget)
-    try:
+    played = sectioncheck.PlayedSections(core, budget)
+
+    def walk(document: Json) -> str:
         pairs, events, types = ControllerBySections(played, document, budget).walked()
-    except certcheck.Refuted as error:
-        return [("refuted", "controller", str(error))]
-    except (LookupError, TypeError, ValueError, AttributeError) as error:
-        raise certcheck.Malformed(
-            f"{controller}: the document is not as mcpn writes it: {error!r}"
-        ) from error
-    count = len(played.reached)
-    return [
-        ("proved", "controller", f"{count} sections, {types} of them walked: {pairs} pairs, {events} events")
-    ]
+        return f"{len(played.reached)} sections, {types} of them walked: {pairs} pairs, {events} events"
+
+    return ctlcheck.reported(controller, walk)
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Checks the controller that the command line names against the core mission of a certificate."""
-    words = "Checks a controller of any form against a core mission, one type of section at a time."
+    words = "Checks a hierarchical or modular controller against a core mission, by types of sections."
     return certcheck.ran(checked, words, arguments, "certificate", "controller")
 
 

@@ -97,11 +97,6 @@ class SectionFormulas:
 
     def __init__(self, played: PlayedSections) -> None:
         self.played, self.steady = played, played.steadily_reached()
-        self.ways = {
-            f"{name}.{way['name']}": number
-            for name in played.robot.activities
-            for number, way in enumerate(played.robot.ways(name))
-        }
         self.owners = dict[tuple[str, str], set[str]]()
         for section in played.reached:
             for named in played.names[section]:
@@ -153,9 +148,9 @@ class SectionFormulas:
                 return ("says", role, "") if section is None else FALSE
             if role in ALTERNATIVES:
                 activity = names.get(("a", element.split(".", 1)[0]))
-                if activity is None or element not in self.ways:
+                if activity is None or element not in self.played.way_numbers:
                     return FALSE
-                return "says", ALTERNATIVES[role], f"{activity}.{self.ways[element]}"
+                return "says", ALTERNATIVES[role], f"{activity}.{self.played.way_numbers[element]}"
             if role not in KINDS:
                 return UNKNOWN
             new = names.get((KINDS[role], element))
