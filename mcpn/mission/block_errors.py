@@ -106,6 +106,9 @@ class BlockErrors:
             if not block.mandatory:
                 message = f"{block.name} is not mandatory, though it is no child of a parallel block"
                 yield Problem(block.source, message)
+            if block.resumes is not None and not self.mission.core:
+                message = f"{block.name} has resumes, though the mission is no core mission"
+                yield Problem(block.source, message)
             for exit_name in ("success", "failure", "abort", "timeout_goto"):
                 route = getattr(block, exit_name)
                 if route is not None:

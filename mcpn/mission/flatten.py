@@ -1,8 +1,8 @@
 """From the core mission to the objectives graph: recursion replaced by its contents (paper, 5.1 and Fig. 5).
 
 Copies are written out before, by the passes of :mod:`mcpn.mission.passes`. Here routes find the sections that
-they lead to: through the exits of blocks, as facts and reasons decide; handlers come to the
-sections that they interrupt; and siblings are copied that run while others pause.
+they lead to: through the exits of blocks, as facts and reasons decide; and handlers come to the
+sections that they interrupt.
 
 Parallel blocks are kept as sections, each branch with a graph of its own. Routes that facts choose become
 cases of sections (:func:`mcpn.mission.expansion.destinations.deciding`).
@@ -13,13 +13,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from mcpn.errors import InputError
 from mcpn.mission.conditions import facts_of, resolved
 from mcpn.mission.expansion.copies import Copies
 from mcpn.mission.expansion.destinations import Destination, Destinations, Named, by_facts, deciding
-from mcpn.mission.expansion.helpers import entered, following, helping
-from mcpn.mission.expansion.left_by_facts import refuse_paused
-from mcpn.mission.expansion.pauses import PAUSE, end_of_pause, suffix_at, with_pause_graph
+from mcpn.mission.expansion.helpers import following
+from mcpn.mission.expansion.pauses import PAUSE, end_of_pause, with_pause_graph
 from mcpn.mission.expansion.routes import Becoming, Interruption, Setting
 from mcpn.mission.expansion.scope import Scope
 from mcpn.mission.graph import (
@@ -41,10 +39,11 @@ from mcpn.mission.model import (
     Objective,
     Parallel,
     Recursive,
+    walk,
 )
 from mcpn.mission.passes import core
-from mcpn.mission.passes.copying import copied
 from mcpn.mission.passes.limits import MAX_NESTING, MAX_OBJECTIVES, MAX_PARAMETERS, Counted
+from mcpn.mission.passes.pauses import runs_for
 from mcpn.mission.reasons import probabilities, reason
 from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.mission.validate import valid
@@ -93,12 +92,9 @@ class _Flattening:
         self.written_out = core(mission)
         self.positions = Copies()
         self.facts = facts_of(mission)
-        self.pauses: dict[str, str] = {}
-        """By placeholder for the target of a pause, the name of the sibling that is run meanwhile."""
-        self.copied: set[str] = set()
-        """Names of copies of siblings that are run while blocks pause."""
-        self.helping: set[str] = set()
-        """Names of siblings of which such copies are made."""
+        copies = (block for block in walk(self.written_out.blocks) if block.resumes is not None)
+        self.resuming = {(block.resumes, runs_for(block)): self.entry(block) for block in copies}
+        """By what is stopped, and the sibling that is run meanwhile, the section that is entered then."""
         self.counted = Counted()
 
     def mission(self) -> ObjectivesGraph:
@@ -131,90 +127,45 @@ class _Flattening:
         """
         routes = {block.name: Destination(self.entry(block)) for block in blocks} | exits
         scope = self.handling(scope, around, routes, "")
-        after, siblings = following(blocks), {block.name: block for block in blocks}
-        aside = helping(blocks)
-        aside -= entered(blocks, around) if aside else aside
-        waiting = dict[str, tuple[int, dict[str, Block]]]()  # by last run of a block the pauses of others
-        for block in sorted(blocks, key=lambda block: block.name in aside):
-            if block.name in aside & self.helping:
-                continue  # of one that helps none it is said that it is never entered
+        after = following(blocks)
+        for block in blocks:
             success = block.success or after[block.name]
             inner = self.handling(scope, block.handlers, routes, block.written)
             failure = block.failure or FAIL
             late = block.timeout_goto or failure
             leads = Destinations(routes[success], routes[failure], routes[block.abort or ABORT], routes[late])
-            before = len(sections)
             if whole and whole[1] and whole[0] == block.stem:
                 leads = leads.of_copy(whole[1], last=failure == FAIL)
             else:
                 leads = deciding(block, routes, leads, exits, self.facts)
             leads = leads._replace(becoming=self.becoming(block, routes))
-            self.block(block, inner, leads, sections)
-            own = inner.handlers[: len(inner.handlers) - len(scope.handlers)]
-            found = {i.target: siblings[self.pauses[i.target]] for i in own if i.target in self.pauses}
-            if not found:
-                continue
-            last = next((each.fails_as for each in block.handlers if each.fails_as), block.name)
-            begin, others = waiting.pop(last, (before, {}))
-            if last == block.name:
-                self.paused(begin, others | found, (scope, routes), leads.failure, sections)
+            if block.resumes is not None:
+                self.meanwhile(block, scope, routes, leads, sections)
             else:
-                waiting[last] = begin, others | found
+                self.block(block, inner, leads, sections)
 
-    def paused(
+    def meanwhile(
         self,
-        before: int,
-        runs: Mapping[str, Block],
-        around: tuple[Scope, Mapping[str, Destination]],
-        failure: Destination,
-        sections: list[Section],
-    ) -> None:
-        """Makes copies of siblings, one for each section (from number ``before`` on) of a block that pauses.
-
-        The copy for an objective is added, and leads back to it; that for a parallel block is put into it
-        (:func:`mcpn.mission.expansion.pauses.sheltered`). Handlers whose targets are placeholders (keys of
-        ``runs``) are replaced by handlers that lead to the copies.
-        """
-        scope, routes = around
-        for number in range(before, len(sections)):
-            section, entries = sections[number], dict[str, str]()
-            refuse_paused(section)
-            marks = (i.target for i in section.every_interruption if i.target in runs)
-            for by in {id(runs[mark]): runs[mark] for mark in marks}.values():
-                copy = copied(by, suffix_at(section.name, by.prefix))
-                if copy.name in self.copied:
-                    message = f"two copies of {by.written} would be called {copy.name}"
-                    raise InputError.at(by.source, f"{message}: rename one of the blocks that pause")
-                self.copied.add(copy.name)
-                self.helping.add(by.name)
-                own = {mark for mark, runner in runs.items() if runner is by}
-                if isinstance(section, ElementarySection):
-                    self.helper(copy, scope, routes, (Destination(section.name), failure), sections)
-                    entries |= dict.fromkeys(own, self.entry(copy))
-                    continue
-                inside, end = list[Section](), Destination(end_of_pause(section.name))
-                self.helper(copy, replace(scope, handlers=()), routes, (end, failure), inside)
-                graph = ObjectivesGraph(tuple(inside), self.entry(copy)).reachable()
-                section = with_pause_graph(section, PauseGraph(graph, scope.interruptions), own)
-            led = (replace(i, target=entries.get(i.target, i.target)) for i in section.interruptions)
-            sections[number] = replace(section, interruptions=tuple(led))
-
-    def helper(
-        self,
-        by: Block,
+        block: Block,
         scope: Scope,
         routes: Mapping[str, Destination],
-        ways: tuple[Destination, Destination],
+        leads: Destinations,
         sections: list[Section],
     ) -> None:
-        """Adds a copy of a sibling that is run for another block; its success and failure lead two ways."""
-        success, failure = ways
-        late = by.timeout_goto
-        leads = Destinations(success, failure, routes[by.abort or ABORT], routes[late] if late else failure)
-        outwards = replace(by, routes=tuple(each for each in by.routes if each.on in ("abort", "timeout")))
-        leads = deciding(outwards, routes, leads, {}, self.facts)
-        leads = leads._replace(becoming=self.becoming(by, routes))
-        self.block(by, self.handling(scope, by.handlers, routes, by.written), leads, sections)
+        """Adds what runs while something is stopped: beside an objective, or into a parallel block."""
+        number = next(n for n, section in enumerate(sections) if section.name == block.resumes)
+        stopped, inside = sections[number], list[Section]()
+        if isinstance(stopped, ElementarySection):
+            inner = self.handling(scope, block.handlers, routes, block.written)
+            self.block(block, inner, leads._replace(success=Destination(stopped.name)), sections)
+            return
+        inner = self.handling(replace(scope, handlers=()), block.handlers, routes, block.written)
+        end = Destination(end_of_pause(stopped.name))
+        self.block(block, inner, leads._replace(success=end), inside)
+        pause_graph = PauseGraph(
+            ObjectivesGraph(tuple(inside), self.entry(block)).reachable(), scope.interruptions
+        )
+        sections[number] = with_pause_graph(stopped, pause_graph, f"{PAUSE}{runs_for(block)}")
 
     def handling(
         self, scope: Scope, handlers: tuple[Handler, ...], routes: Mapping[str, Destination], block: str
@@ -241,12 +192,18 @@ class _Flattening:
         return tuple(found)
 
     def leading(self, handler: Handler, routes: Mapping[str, Destination]) -> Destination:
-        """Where a handler leads; for a pause a placeholder, which :meth:`paused` replaces by a copy."""
+        """Where a handler leads; for a pause a placeholder, until it is known what is stopped."""
         if handler.pause is None:  # a valid one has one of the two
             cases = ((resolved(each.when, self.facts), routes[each.goto]) for each in handler.routes)
             return by_facts(cases, routes[handler.goto or ABORT])
-        self.pauses[mark := f"{PAUSE}{len(self.pauses)}"] = handler.pause
-        return Destination(mark)
+        return Destination(f"{PAUSE}{handler.pause}")
+
+    def resumed(self, interruption: Interruption, stopped: str) -> Interruption:
+        """The interruption of an objective; by a pause it leads to the copy that resumes this one."""
+        if not interruption.target.startswith(PAUSE):
+            return interruption
+        by = interruption.target.removeprefix(PAUSE)
+        return replace(interruption, target=self.resuming[stopped, by])
 
     def entry(self, block: Block) -> str:
         """The name of the section that is entered when the block is."""
@@ -283,7 +240,7 @@ class _Flattening:
             block.description,
             block.duration,
             whole,
-            scope.interruptions,
+            tuple(self.resumed(each, block.name) for each in scope.interruptions),
             block.timeout,
             None if block.timeout is None else leads.timed_out.target,
             self.settings(block),

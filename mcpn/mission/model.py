@@ -200,6 +200,12 @@ class BlockElement(Element):
     guards: tuple[EntryGuard, ...] = ()
     routes: tuple[FactRoute, ...] = ()
     handlers: tuple[Handler, ...] = ()
+    resumes: Annotated[
+        Route,
+        Core(),
+        "In place of success, of what runs while a block pauses: the objective or parallel block that was "
+        "stopped.",
+    ] = None
     copy: Annotated[
         tuple[str, ...],
         VALUES,

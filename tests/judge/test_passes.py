@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from mcpn.mission.model import Each, EntryGuard, Handler, Mission, Recursive, walk
 from mcpn.mission.passes import PASSES, core
+from mcpn.mission.passes.pauses import runs_for
 from mcpn.mission.robot import Activity
 from mcpn.testing.elements import (
     COMMON_CAUSES,
@@ -21,6 +22,8 @@ from mcpn.testing.elements import (
     LED,
     LEFT_BY_FACTS,
     NAMED,
+    PAUSING,
+    PAUSING_IN_TIME,
     RECOVERING,
     TIMED,
 )
@@ -28,6 +31,8 @@ from mcpn.testing.judge.interpreter import Happening, Interpreter, State, Undete
 from tests.draws import fewer
 from tests.judge.test_early import ANY, DOOMED, DOOMED_ALL, FAILS_ONE, FAILS_TWO, RACE, SECOND_FAILS
 from tests.judge.test_guards import DOORS, ROBOT, go
+from tests.judge.test_pauses import MISSIONS as PAUSE
+from tests.judge.test_pauses import pauses_within_pauses
 from tests.judge.test_reasons import ANOTHER_WAY, OUTER, PLAIN, TRIES
 from tests.small import mission
 
@@ -42,23 +47,19 @@ WRITTEN_OUT = st.one_of(
     GUARDED,
     INTERRUPTED,
     RECOVERING,
+    PAUSING,
+    PAUSING_IN_TIME,
     EARLY,
     COMMON_CAUSES,
     CRASHING,
 )
 
 
-def pauses(of: Mission) -> bool:
-    """Whether blocks pause: copies of what runs meanwhile are named as the graph is made, by no pass."""
-    texts = (of.blocks, *(protocol.blocks for protocol in of.protocols))
-    every = [block for blocks in texts for block in walk(blocks)]
-    return any(handler.pause for block in every for handler in block.handlers)
-
-
 def whole_names_copied(of: Mission) -> bool:
     """Whether blocks have copies still that hold names written out: the page says no names of such copies."""
     every = [*walk(of.blocks)]
-    helpers = {block.recover for block in every}
+    helpers = {block.recover for block in every} | {h.pause for block in every for h in block.handlers}
+    helpers -= {runs_for(block) for block in every if block.resumes}
     copied = [
         b
         for b in every
@@ -97,7 +98,6 @@ def alike(one: Interpreter, other: Interpreter) -> int:
 @fewer(0.4)
 @given(WRITTEN_OUT)
 def test_the_judge_gives_the_same_before_and_after_each_pass(of: Mission) -> None:
-    assume(not pauses(of))
     judge, last = Interpreter(of), of
     for rewrite in PASSES:
         rewritten = core(of, until=rewrite.__name__)
@@ -110,7 +110,7 @@ def test_the_judge_gives_the_same_before_and_after_each_pass(of: Mission) -> Non
 @fewer(0.2)
 @given(COMMON_CAUSES)
 def test_the_judge_gives_the_same_before_and_after_common_causes_are_hardware(of: Mission) -> None:
-    assume(of.faults and not pauses(of))
+    assume(of.faults)
     rewritten = core(of, until="faults")
     assert not rewritten.faults
     written = core(of, until="parameters")
@@ -122,7 +122,7 @@ def test_the_judge_gives_the_same_before_and_after_common_causes_are_hardware(of
 @given(CRASHING)
 def test_the_judge_gives_the_same_before_and_after_crashes_are_resources(of: Mission) -> None:
     written = core(of, until="faults")
-    assume(not pauses(of) and not whole_names_copied(written))
+    assume(not whole_names_copied(written))
     rewritten = core(of, until="crashes")
     assume(rewritten.crashes)
     assert not any(a.faulty or any(way.faulty for way in a.alternatives) for a in rewritten.activities)
@@ -161,3 +161,24 @@ def test_the_judge_gives_the_same_before_and_after_guards_are_written_out() -> N
         rewritten = core(each, until="guards")
         assert not [block for block in walk(rewritten.blocks) if block.guards]
         assert alike(Interpreter(each), Interpreter(rewritten)) > 10
+
+
+def same_with_pauses_written_out(of: Mission) -> int:
+    rewritten = core(of, until="pauses")
+    left = [block for block in walk(rewritten.blocks) if block.resumes]
+    assert left
+    assert {h.pause for block in walk(rewritten.blocks) for h in block.handlers if h.pause} >= {
+        *map(runs_for, left)
+    }
+    return alike(Interpreter(of), Interpreter(rewritten))
+
+
+def test_the_judge_gives_the_same_before_and_after_pauses_are_written_out() -> None:
+    for each in PAUSE:
+        assert same_with_pauses_written_out(each) > 3
+
+
+@fewer(0.1)
+@given(pauses_within_pauses())
+def test_the_judge_gives_the_same_before_and_after_pauses_in_pauses_are_written_out(of: Mission) -> None:
+    assert same_with_pauses_written_out(of) > 3

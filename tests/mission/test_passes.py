@@ -248,6 +248,58 @@ def test_reasons_of_activities_stand_on_the_objectives_that_run_them(tmp_path: P
     assert read_mission(path) == written  # though the protocol that nothing uses asks for a reason, too
 
 
+PAUSING = """<objective name="way" success="rest" failure="rest">
+    <route on="failure" when="sunny" goto="fail"/>
+    <on event="stop" pause="shelter"/>
+    <objective name="go" activities="a"/>
+    <parallel name="both"><objective name="x" activities="a"/></parallel>
+    <objective name="kept" activities="a"><on event="stop" goto="go"/></objective>
+  </objective>
+  <objective name="shelter" activities="a" abort="rest" failure="way"/>
+  <objective name="rest" activities="a"/>"""
+
+
+def test_a_block_that_pauses_has_copies_of_the_sibling_behind_it_that_resume_what_is_stopped(
+    tmp_path: Path,
+) -> None:
+    robot = '<robot name="r"><fact name="sunny"/><event name="stop"/><activity name="a"/></robot>'
+    path = tmp_path / "m.xml"
+    path.write_text(f'<mission name="m" xmlns="urn:mcpn:mission:1">{robot}{PAUSING}</mission>')
+    written = core(read_mission(path), until="pauses")
+    assert [(b.name, b.success, b.failure, b.resumes, b.abort) for b in written.blocks] == [
+        ("way", "rest", "rest", None, None),
+        ("shelter_at_go", None, "rest", "go", "rest"),
+        ("shelter_at_both", None, "rest", "both", "rest"),
+        ("rest", "succeed", None, None, None),
+    ]  # in kept the event leads elsewhere
+    routes = [[(r.on, r.when, r.goto) for r in block.routes] for block in written.blocks[1:3]]
+    assert routes == [[("failure", ("sunny",), "fail without reason")]] * 2
+    path.write_bytes(text := write_mission(written))
+    assert read_mission(path) == written
+    assert core(written) == core(read_mission(path)) == core(core(written))
+    for old, new, found in (
+        (b' core="true"', b"", "found the attribute copy on <objective>"),
+        (b'resumes="go"', b'resumes="gone"', "resumes of shelter_at_go names gone; expected, with copy, an"),
+        (b'resumes="go"', b'resumes="rest"', "resumes of shelter_at_go names rest; expected, with copy, an"),
+        (b'resumes="go"', b'resumes="go" success="rest"', "shelter_at_go has success and resumes"),
+        (b'pause="shelter"', b'pause="shelf"', "names shelf; expected one of shelter_at_go"),
+    ):
+        assert old in text
+        path.write_bytes(text.replace(old, new, 1))
+        with pytest.raises(InputError, match=found):
+            read_mission(path)
+    (way, _, *others) = written.blocks
+    with pytest.raises(InputError, match="shelter has no copy that resumes go, and is none of its siblings"):
+        core(replace(written, blocks=(way, *others)))
+
+
+def test_missions_of_authors_resume_nothing() -> None:
+    first = Objective(name="o", activities=("a",))
+    again = Objective(name="s_x", activities=("a",), copy=("x",), resumes="o")
+    with pytest.raises(InputError, match="s_x has resumes, though the mission is no core mission"):
+        flatten(mission(robot((), activity("a", ())), first, again))
+
+
 GUARDED = """<objective name="take" activities="a" timeout="9" timeout_goto="put" failure="put">
     <route when="sunny" goto="put"/>
     <on event="stop" goto="put"/>

@@ -46,6 +46,7 @@ def helping(siblings: Sequence[Block]) -> set[str]:
 def following(siblings: Sequence[Block]) -> dict[str, str]:
     """Where success leads by default, by name: to the next sibling that does not help others."""
     aside, after, found = helping(siblings), SUCCEED, dict[str, str]()
+    aside |= {block.name for block in siblings if block.resumes is not None}
     for block in reversed(siblings):
         found[block.name] = after
         after = after if block.name in aside else block.name

@@ -10,8 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mcpn.errors import InputError, Problem, Source
-from mcpn.mission.graph import ObjectivesGraph, Section
+from mcpn.errors import Problem, Source
 from mcpn.mission.model import Block, Mission
 
 
@@ -42,16 +41,3 @@ def of_missions(mission: Mission) -> Iterator[Problem]:
         if handler.when:
             message = f"{mission.name} is left when facts become so (on when), though it is the mission"
             yield Problem(handler.source, f"{message}: put its blocks into an objective, and <on when> there")
-
-
-def refuse_paused(section: Section) -> None:
-    """Refuses what pauses as a whole, on an event, if facts may leave it or something in it.
-
-    Raises:
-        InputError: It does, with the line of the condition.
-    """
-    for inner in ObjectivesGraph((section,), section.name).all_sections():
-        for each in inner.becomes:
-            message = f"{inner.name} is left when facts become so (on when), and an event pauses it"
-            reason = "changes of facts in the meantime would be lost: use goto, and a route back"
-            raise InputError.at(each.source, f"{message}: {reason}")

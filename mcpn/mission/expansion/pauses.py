@@ -1,14 +1,10 @@
-"""Blocks that pause: an event stops what runs in one, a sibling is run, and then it goes on where it was.
+"""Parallel blocks that pause: what runs meanwhile, and leaves their branches where they are, stands in them.
 
-It is written out: for each objective of the block there is a copy of the sibling, which the event leads to
-while the objective runs, and whose success enters the objective again. So the copy that runs says where the
-block was, and nothing else has to remember it. A parallel block in it may be at many places: it has one copy,
-which runs in the section of the parallel block and leaves its branches where they are.
+Which copy of a sibling runs for what is said by :mod:`mcpn.mission.passes.pauses`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import replace
 from functools import partial
 from itertools import chain
@@ -17,12 +13,7 @@ from mcpn.mission.expansion.routes import GO_ON, Interruption
 from mcpn.mission.graph import ObjectivesGraph, ParallelSection, PauseGraph, rerouted
 
 PAUSE = "pause "
-"""Begins what stands for the target of a pause until its copies are made."""
-
-
-def suffix_at(objective: str, prefix: str) -> str:
-    """What distinguishes copies of a sibling: the objective that is stopped, named as among the siblings."""
-    return f"at_{objective.removeprefix(prefix).replace('.', '_')}"
+"""Begins, before the sibling's name, what stands for the target of a pause until what is stopped is known."""
 
 
 def end_of_pause(section: str) -> str:
@@ -34,16 +25,14 @@ def end_of_pause(section: str) -> str:
     return f"{GO_ON} {section}"
 
 
-def with_pause_graph(
-    section: ParallelSection, pause_graph: PauseGraph, marks: Collection[str]
-) -> ParallelSection:
+def with_pause_graph(section: ParallelSection, pause_graph: PauseGraph, mark: str) -> ParallelSection:
     """A parallel block that pauses, with one more copy of a sibling that runs meanwhile.
 
     Args:
         section: The block.
         pause_graph: The copy; it leads to :func:`end_of_pause`, and out of the block by the names of sections
             and exits there.
-        marks: Targets that stand for the copy, of handlers of the block and of what runs in other pauses.
+        mark: The target that stands for the copy, of handlers of the block and of what runs in other pauses.
     """
     end = end_of_pause(section.name)
     inside = {end: GO_ON, **{inner.name: inner.name for inner in pause_graph.graph.sections}}
@@ -59,7 +48,7 @@ def with_pause_graph(
 
     def pausing(interruptions: tuple[Interruption, ...]) -> tuple[Interruption, ...]:
         paused = partial(replace, target=GO_ON, pauses=len(section.pause_graphs))
-        return tuple(paused(i) if i.target in marks else i for i in interruptions)
+        return tuple(paused(i) if i.target == mark else i for i in interruptions)
 
     graph = pause_graph.graph
     inner = ObjectivesGraph(tuple(rerouted(s, out) for s in graph.sections), graph.entry, graph.unreached)

@@ -6,8 +6,7 @@ one after the other, parallel blocks and elementary objectives, each with the na
 qualified, and blocks say by ``copy`` which copy of what is written they are.
 
 What no mission says remains for the objectives graph (:mod:`mcpn.mission.flatten`): where blocks lead that
-fail for a reason; and copies of siblings that run while others pause: they stand outside the block that they
-lead back into.
+fail for a reason.
 """
 
 from __future__ import annotations
@@ -23,6 +22,7 @@ from mcpn.mission.passes.faults import faults
 from mcpn.mission.passes.guards import guards
 from mcpn.mission.passes.limits import measure
 from mcpn.mission.passes.parameters import parameters
+from mcpn.mission.passes.pauses import pauses
 from mcpn.mission.passes.reasons import reasons
 from mcpn.mission.passes.recovery import recovery
 from mcpn.mission.passes.repeat import repeat
@@ -44,6 +44,7 @@ PASSES: tuple[Callable[[Mission], Mission], ...] = (
     reasons,
     faults,
     crashes,
+    pauses,
 )
 """In the order in which they run."""
 

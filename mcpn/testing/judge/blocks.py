@@ -192,6 +192,10 @@ def _within_parallel(shelter: WrittenBlock) -> bool:
     return isinstance(shelter.success, WrittenBlock) and shelter.success.whole
 
 
+def _every(node: WrittenBlock) -> list[WrittenBlock]:
+    return [node, *(inner for child in node.children.values() for inner in _every(child))]
+
+
 class _Writing:
     def __init__(self, mission: Mission) -> None:
         self.written = mission
@@ -207,6 +211,7 @@ class _Writing:
     def series(self, parent: WrittenBlock, blocks: tuple[Block, ...], scope: _Scope) -> None:
         """Writes out blocks that run one after the other, or as branches."""
         aside = {block.recover for block in blocks} | {h.pause for block in blocks for h in block.handlers}
+        aside |= {block.name for block in blocks if block.resumes}
         by_name = {block.name: block for block in blocks}
         for number, block in enumerate(blocks):
             after = [b.name for b in blocks[number + 1 :] if b.name not in aside and not parent.parallel]
@@ -222,7 +227,11 @@ class _Writing:
             if block.recover is not None:
                 self.recoveries(node, block, by_name[block.recover], scope)
             for name, fails in {h.pause: h.fails_as for h in block.handlers if h.pause is not None}.items():
-                self.pauses(node, by_name[name], scope, by_name[fails] if fails else block)
+                if name in by_name:  # else its copies are written out
+                    self.pauses(node, by_name[name], scope, by_name[fails] if fails else block)
+        for block in blocks:
+            if block.resumes:
+                self.resuming(parent.children[block.name], block, parent)
 
     def pauses(self, node: WrittenBlock, by: Block, scope: _Scope, failing: Block) -> None:
         """Gives each objective in a block what is run when it is stopped, which leads back to it.
@@ -231,10 +240,19 @@ class _Writing:
         """
         assert node.parent is not None
         for leaf in stopped(node):
-            at = leaf.name.removeprefix(scope.prefix).replace(".", "_")
+            at = leaf.name.removeprefix(f"{scope.prefix}{by.prefix}").replace(".", "_")
             shelter = self.helper(node, (by, failing), scope.copy(f"at_{at}"), leaf)
             node.pauses[by.name, leaf.name] = shelter
             node.parent.children[f"{by.name} at {leaf.name}"] = shelter
+
+    def resuming(self, copy: WrittenBlock, block: Block, parent: WrittenBlock) -> None:
+        """Lets a copy that is written out run while what it resumes is stopped, as core missions say it."""
+        inside = (node for child in parent.children.values() for node in _every(child))
+        copy.success = at = next(node for node in inside if node.name == block.resumes)
+        by = block.name.removesuffix(f"_{block.copy[-1]}")
+        for node in parent.children.values():
+            if at.within(node):
+                node.pauses[by, at.name] = copy
 
     def recoveries(self, node: WrittenBlock, block: Block, by: Block, scope: _Scope) -> None:
         """Lets each run of a block but the last lead by its failure to a recovery, that to the next run."""
