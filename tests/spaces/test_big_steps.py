@@ -263,35 +263,57 @@ def test_objectives_of_branches_stand_apart() -> None:
     assert len([a for a, b in pairwise(control) if a != b]) == 4
 
 
+def crashing(count: int) -> PetriNet:
+    """Producers with two ways, each of which may crash, and one consumer of all."""
+    makers = (
+        replace(
+            made := activity(f"make{i}", (f"a{i}",), (f"b{i}",), produces=(f"d{i}",)),
+            alternatives=tuple(replace(way, faulty=True) for way in made.alternatives),
+        )
+        for i in range(count)
+    )
+    use = activity("use", tuple(f"d{i}" for i in range(count)))
+    hardware = (f"{side}{i}" for i in range(count) for side in "ab")
+    return compose(mission(robot(hw(*hardware), *makers, use), Objective(name="o", activities=("use",)))).net
+
+
 def test_producers_that_crash_are_a_sum() -> None:
     """No transition may fire alone in all markings behind the start: in some others are refused meanwhile."""
-
-    def of(count: int) -> PetriNet:
-        makers = (
-            replace(
-                made := activity(f"make{i}", (f"a{i}",), (f"b{i}",), produces=(f"d{i}",)),
-                alternatives=tuple(replace(way, faulty=True) for way in made.alternatives),
-            )
-            for i in range(count)
-        )
-        use = activity("use", tuple(f"d{i}" for i in range(count)))
-        hardware = (f"{side}{i}" for i in range(count) for side in "ab")
-        return compose(
-            mission(robot(hw(*hardware), *makers, use), Objective(name="o", activities=("use",)))
-        ).net
-
-    one, other = listed(of(2)), stepped(of(2), 0)
+    one, other = listed(crashing(2)), stepped(crashing(2), 0)
     assert one is not None
     assert other is not None
     assert places_of(other[0], other[0].everything) == {*one[0]}
     assert sum(other[0].firings(other[0].everything).values()) == len(one[1])
     lengths = []
     for count in (2, 4):
-        net = of(count)
+        net = crashing(count)
         found = stepped(net, 0, clustered(net))
         assert found is not None
         lengths.append(max(map(len, found[1].values())))
     assert lengths[1] < lengths[0] * 8  # 5**count where the ways of each are multiplied
+
+
+def test_where_a_transition_may_fire_alone_is_not_listed_while_another_one_may_everywhere(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of a reply to the consumer hundreds of cases would tell, and the next request needs none."""
+
+    class Started(Exception):
+        """The first event has been run from a whole set of states."""
+
+    def run(self: Any, *asked: Any) -> None:
+        real(self, *asked)
+        raise Started(self._alone)
+
+    real = big_steps._Reaching._after_alone
+    monkeypatch.setattr(big_steps._Reaching, "_after_alone", run)
+    steps = list[int]()
+    for count in (8, 16):
+        net = crashing(count)
+        with pytest.raises(Started) as found:
+            reach_in_big_steps(KernelNet(net), Encoding(net, clustered(net), DEFAULT_MEMORY))
+        steps.extend(found.value.args)
+    assert steps[1] < steps[0] * 20  # 59 times as many where they are
 
 
 def test_data_of_one_sensor_with_fallbacks_of_their_own_are_a_sum() -> None:

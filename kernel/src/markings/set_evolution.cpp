@@ -191,9 +191,8 @@ SetEvolution::Went SetEvolution::fire_first(Store& store, Held& markings, std::u
       return u != t && net_.rank_end_[u] == end && leads(u, t) && in_some(store, markings, u);
     });
   };
+  Places crowded;  // of which some markings enable others beside them that they may clash with
   bool any = false;
-  std::optional<Fired> partly;
-  Held where(store, 0);
   for (const bool waiting : {false, true})
     for (const bool always : {true, false}) {
       const Places asked(won_.rbegin(), won_.rend());
@@ -205,19 +204,21 @@ SetEvolution::Went SetEvolution::fire_first(Store& store, Held& markings, std::u
         }
         any = true;
         if (waits(t) != waiting) continue;
-        std::vector<Way> beside = always ? std::vector<Way>() : others(store, markings, t);
-        const Held enabled(store, beside.empty() ? 0 : store.filter(markings, step(store, t).enabled));
-        if (!beside.empty()) not_alone(store, enabled, t, beside);
-        if (beside.empty()) {
+        if (always || others(store, markings, t).empty() || never_clashes(store, markings, t)) {
           forget(t);
           return fire(store, markings, markings, {t, {}}) ? Went::kOn : Went::kUnsafe;
         }
-        if (partly) continue;
-        where = without(store, enabled, beside);
-        if (where) partly = {t, std::move(beside)};
+        crowded.push_back(t);
       }
     }
-  if (partly) return fire(store, markings, where, std::move(*partly)) ? Went::kOn : Went::kUnsafe;
+  // In which markings one may fire alone takes longer to say: it is asked where none may in all.
+  for (const std::uint32_t t : crowded) {
+    std::vector<Way> beside = others(store, markings, t);
+    const Held enabled(store, store.filter(markings, step(store, t).enabled));
+    not_alone(store, enabled, t, beside);
+    const Held where(store, without(store, enabled, beside));
+    if (where) return fire(store, markings, where, {t, std::move(beside)}) ? Went::kOn : Went::kUnsafe;
+  }
   return any ? Went::kStuck : Went::kEnd;
 }
 
@@ -379,8 +380,15 @@ Node SetEvolution::without(Store& store, Node markings, const std::vector<Way>& 
 
 // Fewer conditions than those of others under which a transition may not fire alone in markings that enable it, if there are.
 void SetEvolution::not_alone(Store& store, Node enabled, std::uint32_t t, std::vector<Way>& others) {
-  std::optional<std::vector<Way>> clashing = this->clashing(store, enabled, t);
+  std::optional<std::vector<Way>> clashing = this->clashing(store, enabled, t, true);
   if (clashing && (clashing->empty() || without(store, enabled, *clashing))) others = std::move(*clashing);
+}
+
+// Whether a transition may fire alone in all of the markings that enable it, as far as that is found.
+bool SetEvolution::never_clashes(Store& store, Node markings, std::uint32_t t) {
+  const Held enabled(store, store.filter(markings, step(store, t).enabled));
+  const std::optional<std::vector<Way>> first = clashing(store, enabled, t, false);
+  return first && first->empty();
 }
 
 // What the others of its rank ask for that some of the markings enable beside it, but for those that take and put the same.
@@ -399,7 +407,8 @@ std::vector<SetEvolution::Way> SetEvolution::others(Store& store, Node markings,
 
 // Conditions of some of the markings in which what conflicts with it is in reach; in the others nothing is. A marking in
 // which nothing is tells so of all that leave the same places empty, another one of all that have the same tokens.
-std::optional<std::vector<SetEvolution::Way>> SetEvolution::clashing(Store& store, Node enabled, std::uint32_t t) {
+// All of them, or the first that is found.
+std::optional<std::vector<SetEvolution::Way>> SetEvolution::clashing(Store& store, Node enabled, std::uint32_t t, bool all) {
   if (step(store, t).many) return std::nullopt;
   std::vector<std::uint32_t>& known = step(store, t).alone;
   std::vector<std::pair<std::uint32_t, Way>>& beside = step(store, t).beside;
@@ -412,7 +421,10 @@ std::optional<std::vector<SetEvolution::Way>> SetEvolution::clashing(Store& stor
   };
   for (const std::uint32_t condition : known) take(condition);
   for (const auto& [condition, way] : beside)
-    if (take(condition)) found.push_back(way);
+    if (take(condition)) {
+      found.push_back(way);
+      if (!all) return found;
+    }
   std::vector<Level> marked;
   std::vector<bool> held(store.levels);
   std::vector<Word> marking(net_.words_);
@@ -460,6 +472,7 @@ std::optional<std::vector<SetEvolution::Way>> SetEvolution::clashing(Store& stor
     } else {
       beside.emplace_back(condition, way);
       found.push_back(std::move(way));
+      if (!all) return found;
     }
   }
   return found;

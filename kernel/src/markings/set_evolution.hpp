@@ -85,7 +85,8 @@ class SetEvolution {
   bool fire(Store& store, Held& markings, Node where, Fired fired);
   void not_alone(Store& store, Node enabled, std::uint32_t t, std::vector<Way>& others);
   std::vector<Way> others(Store& store, Node markings, std::uint32_t t);
-  std::optional<std::vector<Way>> clashing(Store& store, Node enabled, std::uint32_t t);
+  bool never_clashes(Store& store, Node markings, std::uint32_t t);
+  std::optional<std::vector<Way>> clashing(Store& store, Node enabled, std::uint32_t t, bool all);
   Node without(Store& store, Node markings, const std::vector<Way>& conditions);
   // The function of an evolution, of all markings that its events made; kept for its other events.
   struct Behind {

@@ -130,12 +130,14 @@ def functioning_modes(mission_net: MissionNet, space: Space[S]) -> dict[str, lis
 
     @cache
     def sorted_modes(own: tuple[str, ...], places: tuple[int, ...], family: Zdd) -> list[Mode]:
-        modes = (dict(active[places[i]].split(".", 1) for i in sorted(row)) for row in family)
+        pairs = [active[place].split(".", 1) for place in places]
+        modes = (dict([pairs[i] for i in sorted(row)]) for row in family)
         # The document's priorities: those of an activity before those of what serves it.
         order = [*own, *sorted(served(own).difference(own), key=rank.__getitem__)]
+        ranks = [(name, {way: at for at, way in enumerate(ways[name])}, len(ways[name])) for name in order]
         return sorted(
             (mode for mode in modes if all(name in mode for name in own)),
-            key=lambda mode: [[*ways[name], mode.get(name)].index(mode.get(name)) for name in order],
+            key=lambda mode: [at[mode[name]] if name in mode else last for name, at, last in ranks],
         )
 
     @cache
