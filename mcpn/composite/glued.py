@@ -16,8 +16,9 @@ from typing import TypeAlias
 from mcpn._kernel import Zdd
 from mcpn.composite.layout import Layout
 from mcpn.composite.section_type import ALL, Allowed, SectionType
-from mcpn.composite.sections import BEGIN, NOWHERE, Kind, Stage, WholeNet, ends_of, outside
+from mcpn.composite.sections import BEGIN, NOWHERE, Moved, Stage, WholeNet, ends_of, outside
 from mcpn.drawing.sections import Used
+from mcpn.drawing.templates.stencil import Kind
 from mcpn.spaces.algebra import Guards, Without
 from mcpn.spaces.components import strongly_connected
 from mcpn.spaces.memoized import ByKey, memoized
@@ -199,26 +200,31 @@ class Glued:
 
     @memoized
     def _holding(self, kind: Kind) -> tuple[Mapping[int, Sequence[str]], Mapping[int, list[list[str]]]]:
-        """By place, or by transition: stages that have it in their control, and groups using it."""
-        control: dict[int, tuple[str] | list[str]] = {}
-        alike: dict[int, tuple[Sequence[int], list[str]]] = {}
+        """By place, or transition, of no copy: stages with it in their control, and groups using it."""
+        lying: dict[int, tuple[Stage, list[str]]] = {}  # copies of one lie alike
         for name, stage in self.stages.items():
-            alone, used = (name,), stage.used[kind]  # most are of one section, and share how it is written
-            alike.setdefault(id(used), (used, []))[1].append(name)
-            for where, other in zip(getattr(stage, kind), used, strict=True):
-                if where != other and (known := control.setdefault(where, alone)) is not alone:
-                    if isinstance(known, list):
-                        known.append(name)
-                    else:
-                        control[where] = [*known, name]
+            row = getattr(stage, kind)
+            lying.setdefault(id(row.other if isinstance(row, Moved) else row), (stage, []))[1].append(name)
+        control: dict[int, list[str]] = {}
+        alike: dict[int, tuple[Sequence[int], list[str]]] = {}
+        for stage, names in lying.values():
+            row, used = getattr(stage, kind), stage.used[kind]
+            alike.setdefault(id(used), (used, []))[1].extend(names)
+            for where, other in zip(row.kept if isinstance(row, Moved) else row, used, strict=True):
+                if where not in (other, NOWHERE):
+                    control.setdefault(where, []).extend(names)
         using: dict[int, list[list[str]]] = {}
         for used, names in alike.values():
             for where in {*used} - {NOWHERE}:
                 using.setdefault(where, []).append(names)
+        for names in (*control.values(), *(names for _, names in alike.values())):
+            names.sort(key=self.order.__getitem__)
         return control, using
 
     def holders(self, kind: Kind, where: int) -> Sequence[str]:
         """The stages whose local nets have a place, or a transition, in the mission's order."""
+        if (name := self.whole.section_of(kind, where)) is not None:
+            return (name,) if where in getattr(self.stages[name], kind) else ()
         control, using = self._holding(kind)
         groups = using.get(where, ())
         if not groups:

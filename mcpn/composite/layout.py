@@ -18,6 +18,7 @@ from mcpn._kernel import Store, Zdd, clustered
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.sections import LocalPart
 from mcpn.drawing.status import HARDWARE, Element
+from mcpn.drawing.templates.copied import of_no_copy
 from mcpn.events import What
 from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY
 from mcpn.spaces.memoized import memoized
@@ -133,7 +134,7 @@ class Layout:
             for role, value in status.said.items()
             for place in self.mission_net.by_role[role]
         }
-        for t, transition in enumerate(self.mission_net.net.transitions):
+        for t, transition in of_no_copy(self.mission_net.net):
             origin = transition.provenance
             if transition.event is None or origin is None or (origin.kind, origin.name) not in self.statuses:
                 continue  # an objective's, or what facts have become is forgotten
@@ -187,7 +188,8 @@ def _idle_events(mission_net: MissionNet) -> Iterator[tuple[int, What, str]]:
     initial = mission_net.in_service
     for t, event in mission_net.net.events.pairs:
         if event.what in HARDWARE:
-            needed = (*(transition := mission_net.net.transitions[t]).consume, *transition.read)
+            consume, _, read = mission_net.net.arcs(t)
+            needed = *consume, *read
             if event.what is not What.OUT_OF_SERVICE or all(initial[p] for p, _ in needed):
                 yield t, event.what, event.element
 

@@ -6,7 +6,7 @@ from array import array
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, TypeVar, get_args
+from typing import TypeVar, overload
 
 from mcpn._kernel import Zdd
 from mcpn.composite.explored_section import explore_local
@@ -19,19 +19,19 @@ from mcpn.drawing.permanent_loss import mortal
 from mcpn.drawing.sections import LocalPart, Used
 from mcpn.drawing.status import Element
 from mcpn.drawing.templates import TemplateSet
+from mcpn.drawing.templates.copied import KINDS, CopiedNet, elements_of_no_copy
+from mcpn.drawing.templates.stencil import Copy, Kind, Stencil
 from mcpn.events import START, Event, What
 from mcpn.mission.expansion.routes import routes_of
 from mcpn.mission.flatten import ObjectivesGraph, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
-from mcpn.nets.petri import NetBuilder
+from mcpn.nets.petri import NetBuilder, Place, Transition
 from mcpn.nets.provenance import Provenance
 from mcpn.spaces.diagrams.encoding import Levels
 from mcpn.spaces.memoized import memoized
 from mcpn.spaces.projections import Bit
 
 Found = TypeVar("Found")
-
-Kind = Literal["places", "transitions"]
 
 BEGIN = "(begin)"
 """The name of the stage before the mission has begun; no section can have it."""
@@ -173,15 +173,36 @@ class WholeNet:
     def __init__(self, mission_net: MissionNet, templates: TemplateSet | None = None) -> None:
         self.mission_net = mission_net
         self.templates = templates
+        net = mission_net.net
+        self.copies = net.copies if isinstance(net, CopiedNet) else None
         # What sections that run the same activities use lies in one place for all of them.
         self._used: dict[tuple[SectionType, Used], dict[Kind, array[int]]] = {}
+        # Of those that are copies of one, only the first is looked for: the others lie as it does.
+        self._first: dict[tuple[SectionType, Stencil], tuple[Copy, dict[Kind, Sequence[int]]]] = {}
 
     def stage(self, section: Section, part: LocalPart, type_: SectionType) -> Stage:
         """A section of the mission with its type."""
-        own = self._control(part, type_)
-        places, transitions = (self._located(kind, part, type_, own) for kind in get_args(Kind))
+        copy = None if self.copies is None else self.copies.by_section.get(section.name)
+        if copy is None:
+            lie = self._lying(part, type_)
+        else:
+            first, lie = self._first.setdefault((type_, copy.stencil), (copy, {}))
+            lie.update(self._lying(part, type_) if not lie else {})
+            lie = {k: Moved(lie[k], first.first(k), copy.first(k), copy.stencil.size(k)) for k in lie}
         used = self._used[type_, part.used]
-        return Stage(section.name, type_, part, routes_of(section), places, transitions, used)
+        return Stage(section.name, type_, part, routes_of(section), lie["places"], lie["transitions"], used)
+
+    def _lying(self, part: LocalPart, type_: SectionType) -> dict[Kind, Sequence[int]]:
+        """Where the places and transitions of a section's local net lie."""
+        own = self._control(part, type_)
+        return {kind: self._located(kind, part, type_, own) for kind in KINDS}
+
+    def section_of(self, kind: Kind, where: int) -> str | None:
+        """The section that alone has a place, or a transition, if it is a copy."""
+        if self.copies is None:
+            return None
+        copy, _ = self.copies.numbering(kind).at(where)
+        return None if copy is None else self.copies.every[copy].section.name
 
     @staticmethod
     def _control(part: LocalPart, type_: SectionType) -> Mapping[Element, Element]:
@@ -214,7 +235,10 @@ class WholeNet:
         Each element is drawn in the same order in both nets. Of what several activities share, the local net
         has the interfaces of its own activities alone: there names are compared.
         """
-        net, theirs, ours = self.mission_net.net, self._elements(kind, type_), self._elements(kind, None)
+        theirs, ours = self._elements(kind, type_), self._elements(kind, None)
+        if self.copies is not None and (copy := self.copies.by_section.get(part.graph.sections[0].name)):
+            ours = {**ours, **copy.stencil.of_element(kind, copy)}
+        drawn_whole: Sequence[Place | Transition] = getattr(self.mission_net.net, kind)
         drawn: MissionNet | None = None
         for element, name in names.items():
             if element not in theirs:
@@ -227,7 +251,7 @@ class WholeNet:
                 else:
                     drawn = drawn or self._drawn(part, type_)
                     own = getattr(drawn.net, kind)
-                index = net.place_index if kind == "places" else net.transition_index
+                index = {drawn_whole[number].name: number for number in there}
                 there = [index.get(own[i].name, NOWHERE) for i in here]
             for i, where in zip(here, there, strict=True):
                 indices[i] = where
@@ -239,12 +263,68 @@ class WholeNet:
 
     @memoized
     def _elements(self, kind: Kind, type_: SectionType | None) -> Mapping[Element, list[int]]:
-        """What a type's local net, or the whole net, has of each element, in the net's order."""
+        """What a type's local net, or the whole net but for copies, has of each element, in its order."""
         places_of: dict[Element, list[int]] = {}
-        for index, one in enumerate(getattr((self.mission_net if type_ is None else type_.net).net, kind)):
-            if one.provenance is not None:
-                places_of.setdefault((one.provenance.kind, one.provenance.name), []).append(index)
+        net = (self.mission_net if type_ is None else type_.net).net
+        for index, origin in elements_of_no_copy(net, kind):
+            if origin is not None:
+                places_of.setdefault((origin.kind, origin.name), []).append(index)
         return places_of
+
+
+class Moved(Sequence[int]):
+    """Where the nodes of a section lie that is a copy: its own as those of another copy, moved.
+
+    Args:
+        other: Where those of the other copy lie.
+        theirs: The first number of that copy's own.
+        first: That of this one's.
+        size: How many there are.
+    """
+
+    __slots__ = ("_end", "_moved", "_theirs", "other")
+
+    def __init__(self, other: Sequence[int], theirs: int, first: int, size: int) -> None:
+        self.other, self._theirs, self._end, self._moved = other, theirs, theirs + size, first - theirs
+
+    @property
+    def kept(self) -> Sequence[int]:
+        """The same of what is not the section's own, :data:`NOWHERE` for all that is."""
+        begin, end = self._theirs, self._end
+        return [NOWHERE if begin <= where < end else where for where in self.other]
+
+    def __len__(self) -> int:
+        return len(self.other)
+
+    def __iter__(self) -> Iterator[int]:
+        begin, end, moved = self._theirs, self._end, self._moved
+        return iter([where + moved if begin <= where < end else where for where in self.other])
+
+    @overload
+    def __getitem__(self, number: int) -> int: ...
+
+    @overload
+    def __getitem__(self, number: slice) -> Sequence[int]: ...
+
+    def __getitem__(self, number: int | slice) -> int | Sequence[int]:
+        if isinstance(number, slice):
+            return [*self][number]
+        where = self.other[number]
+        return where + self._moved if self._theirs <= where < self._end else where
+
+    def __contains__(self, where: object) -> bool:
+        try:
+            return isinstance(where, int) and self.index(where) >= 0
+        except ValueError:
+            return False
+
+    def index(self, where: int, start: int = 0, stop: int | None = None) -> int:
+        """The first number with a value."""
+        if self._theirs <= where - self._moved < self._end:
+            return self.other.index(where - self._moved)
+        if self._theirs <= where < self._end:
+            raise ValueError(where)
+        return self.other.index(where)
 
 
 def ends_of(mission_net: MissionNet) -> dict[str, int]:

@@ -113,15 +113,22 @@ class MissionNet(Drawn):
         """The initial marking, with hardware repaired that is out of service at the start."""
         net, out = self.net, {h.name for h in self.core.hardware if h.initial == "oos"}
         marking = net.initial
-        for t, transition in enumerate(net.transitions) if out else ():
-            event = transition.event
-            if event is not None and event.what is What.REPAIRED and event.element in out:
+        for t in sorted(net.events.carrying(What.REPAIRED)) if out else ():
+            event = net.transitions[t].event
+            if event is not None and event.element in out:
                 marking = net.fire(marking, t) if t in net.enabled(marking) else marking
         return marking
 
-    def saying(self, kind: str) -> dict[int, str]:
+    def saying(self, kind: str) -> Mapping[int, str]:
         """Names of elements by the place that says ``kind`` of them (see :data:`Role`)."""
-        return {place: name for place, (said, name) in self.roles.items() if said == kind}
+        return self._said.get(kind, {})
+
+    @cached_property
+    def _said(self) -> Mapping[str, dict[int, str]]:
+        said: dict[str, dict[int, str]] = {}
+        for place, (kind, name) in self.roles.items():
+            said.setdefault(kind, {})[place] = name
+        return said
 
     @cached_property
     def statuses(self) -> tuple[Status, ...]:
@@ -238,9 +245,7 @@ def compose_parts(
     for activity in parts.activities:
         templates.activity(canvas, activity)
     templates.control(canvas, parts.graph)
-    net = canvas.build()
-    roles = dict(sorted((net.place_index[place], role) for place, role in canvas.roles.items()))
-    meetings = {net.place_index[place]: meeting for place, meeting in canvas.meetings.items()}
+    net, roles, meetings = canvas.finished()
     return MissionNet(usage.mission, parts.graph, usage, net, roles, section_parts, meetings)
 
 

@@ -37,28 +37,25 @@ def mortal(mission_net: MissionNet) -> MissionNet:
         others, so that what had an index keeps it. The new places have the roles ``alive`` and ``dead``.
     """
     mission_net = crashing_anytime(mission_net)
-    net = mission_net.net
-    places, transitions = list(net.places), list(net.transitions)
-    roles, units = dict(mission_net.roles), list(net.units)
-    consumers: dict[int, list[int]] = {}
-    for t, transition in enumerate(transitions):
-        for place, _ in transition.consume:
-            consumers.setdefault(place, []).append(t)
+    net, roles = mission_net.net, dict(mission_net.roles)
+    places, transitions, units = list[Place](), list[Transition](), list[tuple[int, ...]]()
+    consumers, changed = net.consuming(mission_net.saying("oos")), dict[int, Transition]()
     # In the order in which they are drawn, which in the net of a section is not the mission's.
     for name in dict.fromkeys(mission_net.saying("oos").values()):
         hardware, out = mission_net.usage.hardware[name], mission_net.by_role["oos", name]
         origin = Provenance("hardware", hardware.name, hardware.source)
-        alive, dead = len(places), len(places) + 1
+        alive = len(net.places) + len(places)
+        dead = alive + 1
         places += [Place(f"{hardware.name}_alive", 1, origin), Place(f"{hardware.name}_dead", 0, origin)]
         units.append((alive, dead))
         roles[alive], roles[dead] = ("alive", hardware.name), ("dead", hardware.name)
         for t in dict.fromkeys(t for place in out for t in consumers.get(place, ())):
-            transitions[t] = replace(transitions[t], read=(*transitions[t].read, (alive, 1)))
+            repaired = changed.get(t, net.transitions[t])
+            changed[t] = replace(repaired, read=(*repaired.read, (alive, 1)))
         reads = tuple((place, 1) for place in out)
         lost = Event(What.LOST, hardware.name)
         transitions.append(Transition(str(lost), ((alive, 1),), ((dead, 1),), reads, lost, provenance=origin))
-    mortal_net = PetriNet(net.name, tuple(places), tuple(transitions), net.priorities, tuple(units))
-    return replace(mission_net, net=mortal_net, roles=roles)
+    return replace(mission_net, net=net.extended(changed, places, transitions, units), roles=roles)
 
 
 def entered_otherwise(mission_net: MissionNet, what: Collection[What] = tuple(What)) -> MissionNet:
@@ -107,11 +104,12 @@ def crashing_anytime(mission_net: MissionNet) -> MissionNet:
     Returns:
         The net with a transition more for each crash, instead of those of :func:`entered_otherwise`.
     """
-    crashes = list(_crashes_while_idle(mission_net))
-    if not crashes:
-        return mission_net
+    crashes, net = list(_crashes_while_idle(mission_net)), mission_net.net
     names = {t.name for t in crashes}
-    kept = [t for t in mission_net.net.transitions if t.name not in names]
+    failing = net.events.of(*(t.event for t in crashes if t.event is not None))
+    if not any(net.transitions[t].name in names for t in failing):  # it is the net of the whole mission
+        return replace(mission_net, net=net.extended({}, (), crashes)) if crashes else mission_net
+    kept = [t for t in net.transitions if t.name not in names]
     return _with(mission_net, [*kept, *crashes])
 
 
@@ -140,4 +138,7 @@ def _crashes_while_idle(mission_net: MissionNet) -> Iterator[Transition]:
 
 
 def _with(mission_net: MissionNet, transitions: list[Transition]) -> MissionNet:
-    return replace(mission_net, net=replace(mission_net.net, transitions=tuple(transitions)))
+    net = mission_net.net
+    return replace(
+        mission_net, net=PetriNet(net.name, net.places, tuple(transitions), net.priorities, net.units)
+    )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from itertools import product
 from math import inf
 from operator import mul
@@ -36,7 +35,7 @@ def listed_bounds(
             the largest weight of the place. Empty: as far as they go. What is reached then is reached in the
             net, and may be more: a place that does not come so far is bounded by what it comes to.
     """
-    plain, blocked = replace(net, priorities=False), inhibitions or {}
+    plain, blocked = PetriNet(net.name, net.places, net.transitions), inhibitions or {}
     limit = min(MAX_LISTED, MAX_CELLS // max(len(net.places), 1))
     most = [inf] * len(net.places) if not counted else list(counted)
     first = tuple(int(min(pair)) for pair in zip(net.initial, most, strict=True))

@@ -18,7 +18,7 @@ Internal transitions have *ranks*: one may fire only where none of a lower rank 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import chain
@@ -123,8 +123,8 @@ class PetriNet(Drawn, ValueRecord):
     """
 
     name: str
-    places: tuple[Place, ...]
-    transitions: tuple[Transition, ...]
+    places: Sequence[Place]
+    transitions: Sequence[Transition]
     priorities: bool = False
     units: tuple[tuple[int, ...], ...] = field(default=(), compare=False)
 
@@ -185,8 +185,11 @@ class PetriNet(Drawn, ValueRecord):
     @cached_property
     def internal_ranks(self) -> tuple[tuple[int, ...], ...]:
         """The internal transitions by rank, those that fire first at first."""
-        ranks = sorted({t.rank for t in self.transitions if t.internal})
-        return tuple(tuple(t for t, own in enumerate(self.ranks) if own == rank) for rank in ranks)
+        found: dict[int, list[int]] = {}
+        for t, rank in enumerate(self.ranks):
+            if rank != EVENTS:
+                found.setdefault(rank, []).append(t)
+        return tuple(tuple(found[rank]) for rank in sorted(found))
 
     @cached_property
     def internal_users(self) -> Mapping[int, Sequence[int]]:
@@ -197,6 +200,73 @@ class PetriNet(Drawn, ValueRecord):
                 for place, _ in (*transition.consume, *transition.read):
                     users.setdefault(place, []).append(number)
         return users
+
+    def crowds(self, most: int) -> Mapping[int, Mapping[int, Sequence[int]]]:
+        """By place that more internal transitions need than a number, these by their rarest place.
+
+        The rarest place of a transition is the one that the fewest internal transitions need.
+        """
+        if most not in self._crowds:
+            users, crowds = self.internal_users, dict[int, dict[int, list[int]]]()
+            for place in self._crowded(most):
+                by_rarest = crowds[place] = {}
+                for t in users[place]:
+                    by_rarest.setdefault(self._rarest(t), []).append(t)
+            self._crowds[most] = crowds
+        return self._crowds[most]
+
+    @cached_property
+    def _crowds(self) -> dict[int, Mapping[int, Mapping[int, Sequence[int]]]]:
+        """By number what was asked for."""
+        return {}
+
+    def _crowded(self, most: int) -> list[int]:
+        return [place for place, users in self.internal_users.items() if len(users) > most]
+
+    def _rarest(self, transition: int) -> int:
+        consume, _, read = self.arcs(transition)
+        return min((len(self.internal_users[place]), place) for place, _ in (*consume, *read))[1]
+
+    def event(self, transition: int) -> Event | None:
+        """The event of a transition."""
+        return self.transitions[transition].event
+
+    def arcs(self, transition: int) -> tuple[Arcs, Arcs, Arcs]:
+        """What a transition consumes, produces and reads."""
+        drawn = self.transitions[transition]
+        return drawn.consume, drawn.produce, drawn.read
+
+    def origin(self, place: int) -> Provenance | None:
+        """What has made a place."""
+        return self.places[place].provenance
+
+    def consuming(self, places: Collection[int]) -> Mapping[int, Sequence[int]]:
+        """By some places, the transitions that consume from them, where there are some."""
+        found: dict[int, list[int]] = {}
+        for number, transition in enumerate(self.transitions):
+            for place, _ in transition.consume:
+                if place in places:
+                    found.setdefault(place, []).append(number)
+        return found
+
+    def extended(
+        self,
+        changed: Mapping[int, Transition],
+        places: Sequence[Place],
+        transitions: Sequence[Transition],
+        units: Sequence[tuple[int, ...]] = (),
+    ) -> PetriNet:
+        """The net with some transitions changed, and with more nodes after all that it has."""
+        kept = [*self.transitions]
+        for number, transition in changed.items():
+            kept[number] = transition
+        return PetriNet(
+            self.name,
+            (*self.places, *places),
+            (*kept, *transitions),
+            self.priorities,
+            (*self.units, *units),
+        )
 
     @cached_property
     def safe_transitions(self) -> tuple[SafeTransition, ...]:
@@ -215,8 +285,8 @@ class PetriNet(Drawn, ValueRecord):
 
     def covers(self, marking: Sequence[int], transition: int) -> bool:
         """Whether the marking has the tokens that the transition needs, priorities aside."""
-        arcs = self.transitions[transition]
-        for needed in (arcs.consume, arcs.read):
+        consume, _, read = self.arcs(transition)
+        for needed in (consume, read):
             for place, weight in needed:
                 if marking[place] < weight:
                     return False
@@ -255,16 +325,18 @@ class PetriNet(Drawn, ValueRecord):
 
     def fire_in_place(self, marking: list[int], transition: int) -> None:
         """Fires a transition; the caller has seen that it is enabled."""
-        for place, weight in self.transitions[transition].consume:
+        consume, produce, _ = self.arcs(transition)
+        for place, weight in consume:
             marking[place] -= weight
-        for place, weight in self.transitions[transition].produce:
+        for place, weight in produce:
             marking[place] += weight
 
     def undo_in_place(self, marking: list[int], transition: int) -> None:
         """Takes back the firing of a transition that has led to the marking."""
-        for place, weight in self.transitions[transition].produce:
+        consume, produce, _ = self.arcs(transition)
+        for place, weight in produce:
             marking[place] -= weight
-        for place, weight in self.transitions[transition].consume:
+        for place, weight in consume:
             marking[place] += weight
 
     def marked(self, marking: Sequence[int]) -> frozenset[str]:
@@ -405,36 +477,60 @@ class NetBuilder:
             InputError: A transition or a unit names a place that nobody declared.
         """
         index = {name: number for number, name in enumerate(self._places)}
-        single = {name: (number, 1) for name, number in index.items()}  # one for all arcs that are alike
+        transitions = tuple(self.transitions_at(index, numbered_ranks(self.internal_ranks)))
+        places = tuple(self._places.values())
+        return PetriNet(self.name, places, transitions, self.priorities, self.units_at(index))
 
-        def resolve(weights: Mapping[str, int], user: str, provenance: Provenance | None) -> Arcs:
-            if not weights:
-                return ()
-            try:
-                arcs = [single[place] if w == 1 else (index[place], w) for place, w in weights.items()]
-            except KeyError as missing:
-                raise InputError.at(
-                    provenance.source if provenance else None,
-                    f"{user} names the place {missing.args[0]}, which is not declared",
-                ) from None
-            if 0 in weights.values():
-                arcs = [arc for arc in arcs if arc[1]]
-            arcs.sort()
-            return tuple(arcs)
+    @property
+    def internal_ranks(self) -> set[int]:
+        """The ranks of internal transitions that are declared so far."""
+        return {rank for _, event, rank, _ in self._transitions.values() if event is None}
 
-        ranks = sorted({rank for _, event, rank, _ in self._transitions.values() if event is None})
-        number = {rank: i for i, rank in enumerate(ranks)}
-        transitions = []
-        for name, (arcs, event, rank, origin) in self._transitions.items():
-            consume, produce, read = (resolve(side, f"transition {name}", origin) for side in arcs)
-            order = number[rank] if self.priorities and event is None else 0
-            transitions.append(
-                Transition(name, consume, produce, read, event, order, origin, self._labels.get(name))
-            )
-        units = tuple(
-            tuple(p for p, _ in resolve(dict.fromkeys(unit, 1), "a unit", None)) for unit in self._units
-        )
-        return PetriNet(self.name, tuple(self._places.values()), tuple(transitions), self.priorities, units)
+    def transitions_at(self, index: Mapping[str, int], ranks: Mapping[int, int]) -> Iterator[Transition]:
+        """The transitions: by place its number, and by rank that of its order."""
+        single = _single(index)
+        for name, (sides, event, rank, origin) in self._transitions.items():
+            consume, produce, read = (_arcs(side, single, f"transition {name}", origin) for side in sides)
+            order = ranks[rank] if self.priorities and event is None else 0
+            yield Transition(name, consume, produce, read, event, order, origin, self._labels.get(name))
+
+    def units_at(self, index: Mapping[str, int]) -> tuple[tuple[int, ...], ...]:
+        """The units: by place its number."""
+        single = _single(index)
+        every = (_arcs(dict.fromkeys(unit, 1), single, "a unit", None) for unit in self._units)
+        return tuple(tuple(place for place, _ in unit) for unit in every)
+
+
+def numbered_ranks(ranks: Iterable[int]) -> dict[int, int]:
+    """By rank its number from 0, in their order."""
+    return {rank: number for number, rank in enumerate(sorted(ranks))}
+
+
+def _single(index: Mapping[str, int]) -> dict[str, tuple[int, int]]:
+    """By place its number with a weight of 1: one for all arcs that are alike."""
+    return {name: (number, 1) for name, number in index.items()}
+
+
+def _arcs(
+    weights: Mapping[str, int],
+    single: Mapping[str, tuple[int, int]],
+    user: str,
+    provenance: Provenance | None,
+) -> Arcs:
+    """Arcs by the numbers of their places."""
+    if not weights:
+        return ()
+    try:
+        arcs = [single[place] if w == 1 else (single[place][0], w) for place, w in weights.items()]
+    except KeyError as missing:
+        raise InputError.at(
+            provenance.source if provenance else None,
+            f"{user} names the place {missing.args[0]}, which is not declared",
+        ) from None
+    if 0 in weights.values():
+        arcs = [arc for arc in arcs if arc[1]]
+    arcs.sort()
+    return tuple(arcs)
 
 
 def _weights(side: Iterable[str] | Mapping[str, int]) -> dict[str, int]:

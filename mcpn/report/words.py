@@ -33,13 +33,13 @@ def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event | str, s
     shown = run.tail
     walked = run if run.settles and not shown else replace(run.of_events, settles=not run.detailed)
     for t, marking in walked.steps():
-        transition = net.transitions[t]
-        if transition.event is not None:
+        event, (consume, produce, _) = net.event(t), net.arcs(t)
+        if event is not None:
             settled = said_by(mission_net, sorted(marked))
             if begun is not None:
                 yield begun[0], event_in_words(mission_net.mission.name, *begun, settled)
-            begun = transition.event, settled
-        for place, _ in (*transition.consume, *transition.produce):
+            begun = event, settled
+        for place, _ in (*consume, *produce):
             if place in roles:
                 (marked.add if marking[place] else marked.discard)(place)
     if begun is not None:

@@ -35,11 +35,15 @@ class Completion:
     def __init__(self, net: PetriNet) -> None:
         self.net = net
         # What each transition consumes or reads, put together when it is first asked for.
-        self.needs = ByKey[int, Arcs](lambda t: (*net.transitions[t].consume, *net.transitions[t].read))
+        self.needs = ByKey[int, Arcs](self._needs)
         self._queue = {
             net.ranks[transitions[0]]: number for number, transitions in enumerate(net.internal_ranks)
         }
         self._concerned: dict[int, tuple[Sequence[tuple[int, int]], Sequence[int], Sequence[int]]] = {}
+
+    def _needs(self, t: int) -> Arcs:
+        consume, _, read = self.net.arcs(t)
+        return (*consume, *read)
 
     def settle(self, marking: list[int], fired: Iterable[int] | None = None) -> Iterator[int]:
         """The internal transitions fired until the marking is stable; it is changed in place.
@@ -68,11 +72,11 @@ class Completion:
             rarest places (:attr:`crowds`) whose tokens the firing changes.
         """
         if fired not in self._concerned:
-            users, transition = self.net.internal_users, self.net.transitions[fired]
-            places = {place for place, _ in transition.produce}
+            users, (consume, produce, _) = self.net.internal_users, self.net.arcs(fired)
+            places = {place for place, _ in produce}
             crowded = [place for place in places if place in self.crowds]
             few = {t for place in places.difference(crowded) for t in users.get(place, ())}
-            touched = {place for place, _ in (*transition.consume, *transition.produce)}
+            touched = {place for place, _ in (*consume, *produce)}
             self._concerned[fired] = self.queued(few), crowded, sorted(touched & self.rarer)
         return self._concerned[fired]
 
@@ -84,18 +88,10 @@ class Completion:
     def crowds(self) -> Mapping[int, Mapping[int, Sequence[int]]]:
         """By crowded place, the internal transitions that need it, by their rarest place.
 
-        The rarest place of a transition is the one that the fewest internal transitions need. It is mostly
-        unmarked: of the objectives that start an activity, all of which wait for it to be idle, few run.
+        It is mostly unmarked: of the objectives that start an activity, all of which wait for it to be idle,
+        few run.
         """
-        users = self.net.internal_users
-        crowds: dict[int, dict[int, list[int]]] = {
-            p: {} for p, using in users.items() if len(using) > MOST_BESIDE
-        }
-        for crowded, by_rarest in crowds.items():
-            for t in users[crowded]:
-                rarest = min((len(users[place]), place) for place, _ in self.needs[t])[1]
-                by_rarest.setdefault(rarest, []).append(t)
-        return crowds
+        return self.net.crowds(MOST_BESIDE)
 
     @cached_property
     def rarer(self) -> Set[int]:
@@ -191,7 +187,7 @@ class Run:
     @property
     def events(self) -> list[Event]:
         """The events of the run."""
-        return [event for t in self.transitions if (event := self.net.transitions[t].event) is not None]
+        return [event for t in self.transitions if (event := self.net.event(t)) is not None]
 
     @property
     def of_events(self) -> Run:
@@ -202,7 +198,7 @@ class Run:
     @property
     def tail(self) -> list[str]:
         """The names of the internal transitions after the last event, where the run shows them."""
-        internal = takewhile(lambda t: self.net.transitions[t].internal, reversed(self.transitions))
+        internal = takewhile(lambda t: self.net.event(t) is None, reversed(self.transitions))
         return [self.net.transitions[t].name for t in internal][::-1] if self.detailed else []
 
     @cached_property
@@ -211,7 +207,7 @@ class Run:
         net = self.net
         evolution, firings = Evolution(Completion(net), list(net.initial)), list[int]()
         for t in self.transitions:
-            if net.priorities and not net.transitions[t].internal:
+            if net.priorities and net.event(t) is not None:
                 firings.extend(evolution.settle())
             evolution.fire(t)
             firings.append(t)
@@ -263,7 +259,7 @@ def without_detours(net: PetriNet, run: Sequence[int], reached: Callable[[Markin
                     return tuple(fired)
         return tuple(fired) if reached(tuple(marking)) else None
 
-    events = [event for t in run if (event := net.transitions[t].event) is not None]
+    events = [event for t in run if (event := net.event(t)) is not None]
     best, at, replays = tuple(run), 0, 0
     while at < len(events) and replays < MOST_REPLAYS:
         later = (o for o in range(at + 1, len(events)) if events[o].element == events[at].element)

@@ -62,7 +62,7 @@ class Striking:
         evolution, steps = Evolution(self._completion, list(net.initial)), list[Step]()
         for _ in evolution.settle():
             pass
-        for t in (t for t in run.transitions if not net.transitions[t].internal):
+        for t in (t for t in run.transitions if net.event(t) is not None):
             evolution.fire(t)
             steps.append((t, *evolution.settle()))
         before = evolution.marking
@@ -107,7 +107,7 @@ class Striking:
         return tuple(changing)
 
     def _event(self, transition: int) -> Event:
-        event = self.mission_net.net.transitions[transition].event
+        event = self.mission_net.net.event(transition)
         assert event is not None, "internal firings are left out"
         return event
 
@@ -270,7 +270,7 @@ class Prospects(Generic[S]):
         # a block around it.
         net, taking = self.mission_net.net, defaultdict[str, set[int]](set)
         for t in self.events.carrying(*HELPING):
-            origins = (net.places[place].provenance for place, _ in net.transitions[t].consume)
+            origins = (net.origin(place) for place, _ in net.arcs(t)[0])
             for origin in origins:
                 if origin is not None and origin.kind in ("objective", "parallel"):
                     taking[origin.name].add(t)
@@ -382,7 +382,7 @@ class Prospects(Generic[S]):
         crossing = self.space.crossing(hopeful, losing) if losing else ()
         at_once = ((t, states & hopeful) for t, states in goal.lost_by.items())
         for t, states in chain(crossing, at_once):
-            event = self.mission_net.net.transitions[t].event
+            event = self.mission_net.net.event(t)
             if event is None or t not in allowed:
                 continue
             if t in goal.ends_from and not (states := states - goal.ends_from[t]):

@@ -50,7 +50,7 @@ class FormulaParts(Generic[S]):
 
     def events(self, transitions: Iterable[int]) -> list[str]:
         """The events of some transitions."""
-        return sorted({str(self.space.net.transitions[t].event) for t in transitions})
+        return sorted({str(self.space.net.event(t)) for t in transitions})
 
     @cached_property
     def sound(self) -> str:
@@ -131,7 +131,7 @@ class FormulaParts(Generic[S]):
     @cached_property
     def nominal(self) -> list[str]:
         """The events of these; none where no formula names them."""
-        events = {self.space.net.transitions[t].event for t in self.nominal_transitions}
+        events = {self.space.net.event(t) for t in self.nominal_transitions}
         named = [event for event in events if event is not None]
         ends = [event.element for event in named if event.what is not What.START]
         return sorted(map(str, named)) if self.mean_one(ends) else []

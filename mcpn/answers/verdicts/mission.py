@@ -47,9 +47,8 @@ def skipped(mission_net: MissionNet, run: Run) -> tuple[str, ...]:
     objectives, net = mission_net.saying("objective"), mission_net.net
     begun, succeeded = dict[str, None](), set[str]()
     for t in run.firings:
-        transition = net.transitions[t]
-        begun.update(dict.fromkeys(_untried(objectives[p]) for p, _ in transition.produce if p in objectives))
-        if (event := transition.event) is not None and event.what is What.SUCCESS:
+        begun.update(dict.fromkeys(_untried(objectives[p]) for p, _ in net.arcs(t)[1] if p in objectives))
+        if (event := net.event(t)) is not None and event.what is What.SUCCESS:
             succeeded.add(_untried(event.element))
     return tuple(name for name in begun if name not in succeeded)
 

@@ -102,8 +102,7 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
         firings: By transition how often it fires between them.
     """
     usage, mission = mission_net.usage, mission_net.mission
-    transitions = mission_net.net.transitions
-    events = (transitions[t].event for t, count in firings.items() if count)
+    events = (mission_net.net.event(t) for t, count in firings.items() if count)
     happens = {event for event in events if event is not None}
     selected, entered = selected_and_entered(mission_net, space)
     sections = list(usage.graph.walk())

@@ -16,7 +16,7 @@ from mcpn.events import ENDING, Event, What
 from mcpn.mission.flatten import Section
 from mcpn.mission.robot import Activity, Alternative, Fact
 from mcpn.mission.static.resource_use import Usage
-from mcpn.nets.petri import NetBuilder
+from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.nets.provenance import Provenance
 
 RoleName: TypeAlias = Literal[
@@ -72,6 +72,9 @@ for the release, and holds nothing (:meth:`~mcpn.mission.static.resource_use.Usa
 Alike: TypeAlias = Callable[[Section], Hashable]
 """Equal for sections that are drawn alike, but for names and for what they lead to."""
 
+Finish: TypeAlias = Callable[[], tuple[PetriNet, Mapping[str, int], Mapping[int, Role]]]
+"""Gives a net, the numbers of places by name, and what some other places say."""
+
 
 class Canvas(NetBuilder):
     """A net builder that knows the mission and notes the roles of places.
@@ -88,6 +91,7 @@ class Canvas(NetBuilder):
     Attributes:
         most_combined: Branches up to which a block has a transition for each combination of their ends, where
             a set of templates says it.
+        finish: What makes the net where some of it is copied.
     """
 
     def __init__(
@@ -111,6 +115,7 @@ class Canvas(NetBuilder):
         self.roles: MutableMapping[str, Role] = {}
         self.meetings: dict[str, Meeting] = {}
         self.most_combined: int | None = None
+        self.finish: Finish | None = None
         late = {h.name for h in usage.core.late}
         sections = usage.graph.walk() if late else ()
         self._late = {section.name: self._may_use(section.activities, late) for section in sections}
@@ -154,6 +159,22 @@ class Canvas(NetBuilder):
             rank=rank,
             provenance=provenance,
         )
+
+    def finished(self) -> tuple[PetriNet, dict[int, Role], dict[int, Meeting]]:
+        """The net, by place in ascending order what it says, and where templates meet besides.
+
+        Raises:
+            InputError: A transition names a place that nobody declared.
+        """
+        if self.finish is None:
+            net = self.build()
+            index, said = net.place_index, dict[int, Role]()
+        else:
+            net, index, more = self.finish()
+            said = dict(more)
+        said |= {index[place]: role for place, role in self.roles.items()}
+        meetings = {index[place]: meeting for place, meeting in self.meetings.items()}
+        return net, dict(sorted(said.items())), meetings
 
     def blank(self) -> Self:
         """A canvas for the same mission with nothing on it, on which names are noted anew."""

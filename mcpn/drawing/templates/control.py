@@ -8,6 +8,7 @@ from functools import partial
 
 from mcpn.drawing.templates.activities import running_place
 from mcpn.drawing.templates.canvas import Alike, Canvas, Pen
+from mcpn.drawing.templates.copied import Copying
 from mcpn.drawing.templates.facts import draw_facts
 from mcpn.drawing.templates.interrupt_net import Interrupting
 from mcpn.drawing.templates.interrupt_positions import draw_once
@@ -56,7 +57,7 @@ def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
 
 
 def _draw_by_type(control: _Control, alike: Alike) -> None:
-    """Draws every section of the mission: of those that are alike the first, and copies of it."""
+    """Draws what is no copy, and notes which sections are copies of which."""
     canvas, sections = control.canvas, control.graph.sections
     routes = {section.name: list(dict.fromkeys(section.routes)) for section in sections}
     kinds: dict[str, Hashable] = {}
@@ -65,22 +66,35 @@ def _draw_by_type(control: _Control, alike: Alike) -> None:
         kinds[section.name] = alike(section), where
     count, stencils = Counter(kinds.values()), dict[Hashable, Stencil | None]()
     for section in sections:
-        kind, leads = kinds[section.name], routes[section.name]
-        if kind not in stencils:
-            stencils[kind] = _stencil(canvas, section, leads) if count[kind] > 1 else None
-        if (stencil := stencils[kind]) is None:
+        if (kind := kinds[section.name]) not in stencils:
+            stencils[kind] = _stencil(canvas, section, routes[section.name]) if count[kind] > 1 else None
+    copied = {section.name for section in sections if stencils[kinds[section.name]] is not None}
+    if not copied:
+        control.draw()
+        return
+    copying, led = Copying(canvas), {control.graph.entry: None}
+    for section in sections:
+        if (stencil := stencils[kinds[section.name]]) is None:
             control.draw_section(section)
+            led |= dict.fromkeys(routes[section.name])
         else:
-            stencil.copy(canvas, section, [control.enter(route) for route in leads])
+            copying.copy(stencil, section)
+            led |= dict.fromkeys(route for route in routes[section.name] if route not in copied)
+    for route in led:
+        copying.led(route, control.enter(route))
+    canvas.finish = copying.finish
 
 
 def _stencil(canvas: Canvas, section: Section, routes: Sequence[str]) -> Stencil | None:
     """What is drawn of a section; ``None`` where it cannot be copied."""
     marks, blank = {route: f"\0{number}" for number, route in enumerate(routes)}, canvas.blank()
     alone = ObjectivesGraph((section,), section.name)
-    _Control(blank, alone, {route: [mark] for route, mark in marks.items()}).draw()
+    control = _Control(blank, alone, {route: [mark] for route, mark in marks.items()})
+    control.draw()
+    # A section may lead to itself: it is entered as it is where others lead to it.
+    entered = _Control(blank, alone, {}).enter(section.name)
     try:
-        return Stencil(blank, section, list(marks.values()))
+        return Stencil(blank, section, list(marks.values()), entered)
     except NotCopied:
         return None
 
