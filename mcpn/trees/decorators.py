@@ -1,4 +1,4 @@
-"""Decorators: outcomes turned round, tries and rounds, time, what only data decides, and unknown ones."""
+"""Translates decorators: outcomes turned round, retries, rounds, time, what data decides, unknown ones."""
 
 from __future__ import annotations
 

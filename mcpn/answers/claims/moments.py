@@ -1,4 +1,4 @@
-"""Formulas of claims on losses at one moment: as a section is entered, and several at their worst moments."""
+"""Fills in templates of claims on losses at one moment: at the entry of a section, at the worst moments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Blocks that facts (``<on when>``) or time end as a whole become parallel blocks with one branch.
+"""Blocks that facts (``<on when>``) or a timeout end as a whole become parallel blocks with one branch.
 
 That branch is all of them. An objective that has no copies, and a parallel block, are such sections
 already.

@@ -1,4 +1,4 @@
-"""The shapes of files that mcpn writes to read again: controllers, monitors, snapshots, journals."""
+"""Key by key, what a controller, a monitor, a snapshot and a journal are: files that are read again."""
 
 from __future__ import annotations
 

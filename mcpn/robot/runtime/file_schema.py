@@ -1,4 +1,4 @@
-"""Files that are read back: their digests, their declarations, how values of a controller's file fit.
+"""Checks files as they are read back: digest, declaration, and whether numbers and names of a controller fit.
 
 A file that passes runs without an error of Python, whatever events come. That it is the file which was
 generated is what its digest says (:func:`digest_of`).

@@ -1,4 +1,4 @@
-"""The symbolic proof that internal evolution is confluent, without exploring its interleavings.
+"""Decides by sets, without interleavings, whether the order at equal priority matters: confluence.
 
 To follow one interleaving is sound where in every reachable marking, transient ones included, any two
 enabled internal transitions commute: firing one leaves the other enabled, or both give the same marking.

@@ -1,4 +1,4 @@
-"""The decisive conflict: the two firings that decide in which stable marking internal evolution ends."""
+"""Shows why evolution is not confluent: the two firings that decide in which stable marking it ends."""
 
 from __future__ import annotations
 
