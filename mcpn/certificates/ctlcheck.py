@@ -68,7 +68,6 @@ class RobotModel:
         self.left, self.released = set[str](), list[str]()
         self.disarmed, self.named = set[str](), list[tuple[str, str | None]]()
         document = controller.document
-        self.software = {x for each in self.activities.values() for x in each["produces"]}
         self.robots = {*document["all_hardware"]} - {*document["crashing"], *document["common_causes"]}
         self.stopped = set[str]()
 
@@ -114,7 +113,8 @@ class RobotModel:
             certcheck.need(activity not in self.running, f"{activity} is started, and runs")
             certcheck.need(activity in self.chosen, f"{activity} is started in no alternative")
             way = self.chosen[activity]
-            needed = {*self.activities[activity]["alternatives"][way]["consumes"]} & self.software
+            consumed = {*self.activities[activity]["alternatives"][way]["consumes"]}
+            needed = consumed & self.made(self.activities.keys() - {activity})
             certcheck.need(
                 needed <= self.made(self.running), f"{activity} is started before what it consumes"
             )

@@ -290,6 +290,13 @@ class WalkedController:
         self.late, self.crashing = document["late"], set(document["crashing"])
         self.sections = {section["name"]: section for section in document["sections"]}
         self.own = {name: {e: i for i, e in enumerate(s["events"])} for name, s in self.sections.items()}
+        activities = document["activities"].values()
+        there = {*document["all_hardware"], *(x for each in activities for x in each["produces"])}
+        consumed = {
+            x for each in activities for way in each["alternatives"].values() for x in way["consumes"]
+        }
+        words = f"controller: neither hardware nor produced: {sorted(consumed - there)}"
+        certcheck.need(consumed <= there, words, certcheck.Malformed)
         of = PlacedRules if document["form"] == "modular" else PlacedTable
         numbers([section["type"] for section in document["sections"]], len(document["types"]))
         self.types = {name: of(document["types"][s["type"]], s) for name, s in self.sections.items()}

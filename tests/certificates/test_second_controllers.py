@@ -112,6 +112,22 @@ def test_both_prove_the_rules_of_drawn_missions(checker: Path, tmp_path: Path, f
     assert campaign(DRAWN, judge, drawn)["proved"] > drawn // 5
 
 
+@pytest.mark.parametrize(
+    ("activity", "produces", "expected"),
+    [
+        ("drive", ["map", "wheels"], ("proved", "proved")),  # what it alone makes it needs of nobody
+        ("locate", [], ("not checked", "refuted")),  # "map", which is consumed, is nothing then
+    ],
+)
+def test_products_of_activities_are_read_alike(
+    checker: Path, tmp_path: Path, activity: str, produces: list[str], expected: tuple[str, str]
+) -> None:
+    home = originals()[0]
+    cert, controller = certificate(home.net, tmp_path), copy.deepcopy(home.controllers[0])
+    controller["activities"][activity]["produces"] = produces
+    assert both(checker, cert, controller)[:2] == expected
+
+
 @pytest.mark.parametrize("count", [40, pytest.param(2000, marks=pytest.mark.slow)])
 def test_both_say_the_same_of_changed_controllers(
     checker: Path, tmp_path: Path, fresh_seed: int, count: int
