@@ -386,13 +386,16 @@ class PlayedSections:
         )
 
     @cached_property
-    def way_numbers(self) -> dict[str, int]:
-        """The number of each alternative, by ``activity.alternative``."""
-        return {
-            f"{name}.{way['name']}": number
-            for name in self.robot.activities
-            for number, way in enumerate(self.robot.ways(name))
-        }
+    def _ways(self) -> dict[str, list[tuple[str, int]]]:
+        found = dict[str, list[tuple[str, int]]]()
+        for name in self.robot.activities:
+            for number, way in enumerate(self.robot.ways(name)):
+                found.setdefault(f"{name}.{way['name']}", []).append((name, number))
+        return found
+
+    def ways_named(self, name: str) -> list[tuple[str, int]]:
+        """The activity and the number of each alternative that is named so, as ``activity.alternative``."""
+        return self._ways.get(name, [])
 
     @cached_property
     def formulas(self) -> sectionforms.SectionFormulas:

@@ -205,9 +205,9 @@ class ControllerBySections:
                 both = names.get(("s", name)), names.get(("b", name))
                 return both if any(both) else f"?{name}"
             case "alternatives":
-                activity = names.get(("a", name.split(".", 1)[0]))
-                number = self.played.way_numbers.get(name)
-                return f"?{name}" if activity is None or number is None else (activity, number)
+                ways = self.played.ways_named(name)
+                own = tuple((names["a", of], number) for of, number in ways if ("a", of) in names)
+                return own or f"?{name}"
         return f"?{name}"
 
     def event(self, name: str, event: Event) -> tuple[str, ...]:

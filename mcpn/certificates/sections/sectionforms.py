@@ -41,23 +41,29 @@ class PlaceOrEvent(NamedTuple):
     events: frozenset[Event]
 
 
-def read(said: Any) -> Form:
-    """A formula of a claim as tuples; malformed if it is none."""
-    wrong = "sections.json: a formula"
-    operator, *rest = certcheck.shaped(said, list, wrong) or [""]
-    if operator in ("says", "fires", "happens"):
-        shape = str if operator == "says" else [str]
-        rest = certcheck.shaped(rest, [shape], wrong)
-        certcheck.need(operator != "says" or len(rest) == 2, f"{wrong}: says", certcheck.Malformed)
-        return operator, *(each if isinstance(each, str) else tuple(each) for each in rest)
-    fine = isinstance(operator, str) and ARITY.get(operator, len(rest)) in (len(rest), ANY)
+def read(said: Any, paths: bool = False) -> Form:
+    """A formula of a claim on states, or on paths, as tuples; malformed if it is none."""
+    wrong, shaped = "sections.json: a formula", certcheck.shaped
+    operator, *rest = shaped(said, list, wrong) or [""]
+    shaped(operator, str, wrong)
+    if operator in ("and", "or"):
+        return operator, *(read(each, paths) for each in rest)
+    if operator == "fires" or (operator == "happens" and paths):
+        return operator, *map(tuple, shaped(rest, [[str]], wrong))
+    if operator == "says" and len(rest) == 2:
+        return operator, *shaped(rest, [str], wrong)
+    if operator == "at most" and len(rest) == 2:
+        most, pairs = shaped(rest[0], int, wrong), shaped(rest[1], [[int]], wrong)
+        if all(len(pair) == 2 and pair[0] >= 0 for pair in pairs):
+            return operator, most, tuple(map(tuple, pairs))
+    fine = len(rest) == certcheck.ARITY.get(operator, -1) and (paths or operator not in ("X", "U", "R"))
     certcheck.need(fine, f"{wrong}: found {str(said)[:60]}", certcheck.Malformed)
-    return operator, *map(read, rest if operator in ARITY else ())
+    of_paths = operator == "E" or (paths and operator in ("not", "X", "U", "R"))
+    return operator, *(read(each, of_paths) for each in rest)
 
 
-ANY = -1
-ARITY = {"and": ANY, "or": ANY, "not": 1, "EU": 2, "E": 1, "U": 2}
-"""The operators that sections are asked, and how many formulas each joins."""
+JOINING = {"and", "or", "not", "EU", "E", "U"}
+"""The operators that sections are asked, and that join formulas."""
 
 
 def either(one: bool | None, wanted: bool) -> bool | None:
@@ -116,7 +122,7 @@ class SectionFormulas:
         """How many atoms a formula has."""
         if form[0] == "fires":
             return len(form)
-        return sum(map(self.atoms, form[1:])) if form[0] in ARITY else 1
+        return sum(map(self.atoms, form[1:])) if form[0] in JOINING else 1
 
     def event(self, section: str | None, event: Event) -> Event | Form:
         """An event in the names of a section; FALSE or UNKNOWN where it is none of the section."""
@@ -126,7 +132,7 @@ class SectionFormulas:
         names = self.played.names[section] if section is not None else {}
         if what in HARDWARE:
             new = names.get(("k", element))
-            return UNKNOWN if new is None else (what, new)
+            return UNKNOWN if new is None else (what, new, *reason)
         if what == "start":
             return event if section is None else FALSE
         new = names.get(("e" if what == "declared" else "s", element))
@@ -147,10 +153,9 @@ class SectionFormulas:
             if role in ("begin", "success", "failure", "abort"):
                 return ("says", role, "") if section is None else FALSE
             if role in ALTERNATIVES:
-                activity = names.get(("a", element.split(".", 1)[0]))
-                if activity is None or element not in self.played.way_numbers:
-                    return FALSE
-                return "says", ALTERNATIVES[role], f"{activity}.{self.played.way_numbers[element]}"
+                ways = ((names.get(("a", name)), number) for name, number in self.played.ways_named(element))
+                runs = sorted(f"{name}.{number}" for name, number in ways if name is not None)
+                return joined("or", (("says", ALTERNATIVES[role], each) for each in runs))
             if role not in KINDS:
                 return UNKNOWN
             new = names.get((KINDS[role], element))
@@ -170,7 +175,8 @@ class SectionFormulas:
         if operator == "says" and of[0] in ("begin", *ENDS.values()):
             return set()
         if operator == "says" and of[0] in ALTERNATIVES:
-            return self.owners.get(("a", of[1].split(".", 1)[0]), set())
+            some = (self.owners.get(("a", name), ()) for name, _ in self.played.ways_named(of[1]))
+            return set[str]().union(*some)
         if operator == "fires" or (operator == "E" and of[0][0] == "happens"):
             events = [event for event in (of if operator == "fires" else of[0][1:]) if len(event) > 1]
             if any(event[0] in HARDWARE for event in events):
@@ -229,7 +235,7 @@ class SectionFormulas:
     def avoiding(self, events: Iterable[Event], ends: set[str]) -> bool:
         """Whether the mission may come to an end by a run without some events; refuted if it is not shown."""
         avoided = {*events}
-        fine = all(len(event) > 1 and event[0] not in (*HARDWARE, "start", "declared") for event in avoided)
+        fine = all(len(event) > 1 and event[0] in ("success", "failure", "timeout") for event in avoided)
         certcheck.need(fine, UNSHOWN)
         targets = {to for to, end in ENDS.items() if end in ends}
         self.played.budget.within(0)

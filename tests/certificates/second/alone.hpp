@@ -35,6 +35,8 @@ class Alone {
   Json core;
   Texts targets;  // by number, in the mission's words
   Texts hardware;  // by number
+  std::map<std::string, std::map<std::string, std::string>> names;  // those here, by kind and by those of the mission
+  std::map<std::string, Texts> alternatives;  // those here, by "activity.alternative" of the mission
   std::set<std::string> contended;  // in the words here
 
   // What two sections of one type have in common.
@@ -60,16 +62,16 @@ class Alone {
   }
   // The name here of something of a kind, and whether it is new.
   std::pair<std::string, bool> known(const char* kind, const std::string& name) {
-    auto& names = names_[kind];
-    const auto [at, fresh] = names.emplace(name, kind + std::to_string(names.size()));
+    auto& of_kind = names[kind];
+    const auto [at, fresh] = of_kind.emplace(name, kind + std::to_string(of_kind.size()));
     return {at->second, fresh};
   }
   Json named(const char* kind, const Json& of) { return word(known(kind, of.string).first); }
 
   Json target(const Json& of, bool outside) {
     if (!outside) {
-      const auto section = names_["section"].find(of.string);
-      return section == names_["section"].end() ? of : word(section->second);
+      const auto section = names["section"].find(of.string);
+      return section == names["section"].end() ? of : word(section->second);
     }
     const auto [name, fresh] = known("target", of.string);
     if (fresh) targets.push_back(of.string);
@@ -122,7 +124,9 @@ class Alone {
     for (Json& each : made.members["produces"].items) each = resource(each.string);
     Int ways = 0;
     for (Json& each : made.members["alternatives"].items) {
-      each.members["name"] = word(std::to_string(ways++));
+      const std::string way = std::to_string(ways++);
+      alternatives[name + '.' + each.at("name").string].push_back(own + '.' + way);
+      each.members["name"] = word(way);
       for (Json& consumed : each.members["consumes"].items) consumed = resource(consumed.string);
     }
     robot_.members["activities"].items.push_back(std::move(made));
@@ -150,6 +154,5 @@ class Alone {
 
   const Core& of_;
   const Robot& whole_;
-  std::map<std::string, std::map<std::string, std::string>> names_;
   Json robot_;
 };

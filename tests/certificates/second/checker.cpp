@@ -57,7 +57,7 @@ class Claims {
     }
     if (stated.count("formula")) {
       text(statement.at("text"));
-      formulas_.shape_of_formula(statement.at("formula"), false, 0);
+      shape_of_formula(statement.at("formula"), Int(net_.places.size()));
     }
   }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cut_sets.hpp"
+#include "grown.hpp"
 #include "rate.hpp"
 
 class Goals {
@@ -72,30 +73,14 @@ class Goals {
     return made;
   }
   // What some edges lead to, from some states.
-  Set forward(Set seen, const Step& is_step) const {
-    std::vector<std::size_t> stack;
-    for (std::size_t s = 0; s < count_; ++s) if (seen[s]) stack.push_back(s);
+  Set forward(Set from, const Step& is_step) const {
     clock_.look(0);
-    while (!stack.empty()) {
-      const std::size_t s = stack.back();
-      stack.pop_back();
-      for (const Edge& edge : states_.edges[s])
-        if (!seen[edge.to] && is_step(s, edge)) { seen[edge.to] = true; stack.push_back(edge.to); }
-    }
-    return seen;
+    return grown(std::move(from), [&](std::size_t s, const auto& add) { for (const Edge& edge : states_.edges[s]) if (is_step(s, edge)) add(edge.to); });
   }
   // From where some edges lead to some states.
-  Set backward(Set seen, const Step& is_step) const {
-    std::vector<std::size_t> stack;
-    for (std::size_t s = 0; s < count_; ++s) if (seen[s]) stack.push_back(s);
+  Set backward(Set to, const Step& is_step) const {
     clock_.look(0);
-    while (!stack.empty()) {
-      const std::size_t s = stack.back();
-      stack.pop_back();
-      for (const auto& [from, edge] : before_[s])
-        if (!seen[from] && is_step(from, edge)) { seen[from] = true; stack.push_back(from); }
-    }
-    return seen;
+    return grown(std::move(to), [&](std::size_t s, const auto& add) { for (const auto& [from, edge] : before_[s]) if (is_step(from, edge)) add(from); });
   }
 
   const Net& net_;
