@@ -61,6 +61,8 @@ attributes are ``name``, ``ID`` in the explicit form, ports by the table of node
 :data:`mcpn.trees.nodes.node.ATTRIBUTES`.
 """
 
+_NO_NODES = frozenset(("root", "include", "BehaviorTree", "TreeNodesModel", "MetadataFields", *_PORTS))
+"""Elements around nodes that stand inside a tree by mistake: none is taken for an activity of that name."""
 
 _SPELLED = {
     row.node.lower(): row.node
@@ -374,6 +376,9 @@ class _Reader:
             return None
         tag = _tag(element)
         attributes = {str(key): str(value) for key, value in element.attrib.items()}
+        if tag in _NO_NODES:
+            self.wrong(source, f"found <{tag}> inside a tree, expected a node")
+            return None
         explicit = tag in EXPLICIT
         name = attributes.pop("name", None) or None
         if explicit != bool(attributes.get("ID")):

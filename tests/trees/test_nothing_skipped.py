@@ -34,6 +34,18 @@ UNKNOWN = {
         "found <odd> in <Action>, expected <input_port>",
     ),
     "element beside trees": ('<root><odd/><BehaviorTree ID="A"><a/></BehaviorTree></root>', "found <odd>"),
+    "include inside a tree": (
+        '<root><BehaviorTree ID="A"><Sequence><include path="o.xml"/><a/></Sequence></BehaviorTree></root>',
+        "found <include> inside a tree, expected a node",
+    ),
+    "model inside a tree": (
+        '<root><BehaviorTree ID="A"><Sequence><TreeNodesModel/><a/></Sequence></BehaviorTree></root>',
+        "found <TreeNodesModel> inside a tree, expected a node",
+    ),
+    "port inside a leaf": (
+        '<root><BehaviorTree ID="A"><a><input_port name="x"/></a></BehaviorTree></root>',
+        "found <input_port> inside a tree, expected a node",
+    ),
     "ID where none belongs": (
         '<root><BehaviorTree ID="A"><a ID="b"/></BehaviorTree></root>',
         "no attribute 'ID'",
