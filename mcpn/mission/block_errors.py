@@ -119,7 +119,8 @@ class BlockErrors:
             for each in block.routes:
                 asked = f" when {' '.join(each.when)}" if each.when else f" for {each.reason}"
                 what = f"the route of {block.name}{asked}"
-                yield from self._route(each.source, what, each.goto, names)
+                if not (self.mission.core and each.reason and each.goto == f"{FAIL} {each.reason}"):
+                    yield from self._route(each.source, what, each.goto, names)
 
     def _route(
         self, source: Source | None, what: str, route: str, names: Mapping[str, None]

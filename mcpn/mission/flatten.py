@@ -15,7 +15,7 @@ from dataclasses import replace
 
 from mcpn.mission.conditions import facts_of, resolved
 from mcpn.mission.expansion.copies import Copies
-from mcpn.mission.expansion.destinations import Destination, Destinations, Named, by_facts, deciding
+from mcpn.mission.expansion.destinations import Destination, Destinations, by_facts, deciding
 from mcpn.mission.expansion.helpers import following
 from mcpn.mission.expansion.pauses import PAUSE, end_of_pause, with_pause_graph
 from mcpn.mission.expansion.routes import Becoming, Interruption, Setting
@@ -119,11 +119,11 @@ class _Flattening:
         exits: dict[str, Destination],
         sections: list[Section],
         around: tuple[Handler, ...] = (),
-        whole: tuple[str, Mapping[str, Named]] | None = None,
+        whole: str = "",
     ) -> None:
         """Adds the sections of sibling blocks, under handlers that lead to them as well.
 
-        Copies of a block, which ``whole`` names by its stem, fail for reasons where it says that they lead.
+        Those whose stem is ``whole`` are copies of the block around.
         """
         routes = {block.name: Destination(self.entry(block)) for block in blocks} | exits
         scope = self.handling(scope, around, routes, "")
@@ -134,10 +134,7 @@ class _Flattening:
             failure = block.failure or FAIL
             late = block.timeout_goto or failure
             leads = Destinations(routes[success], routes[failure], routes[block.abort or ABORT], routes[late])
-            if whole and whole[1] and whole[0] == block.stem:
-                leads = leads.of_copy(whole[1], last=failure == FAIL)
-            else:
-                leads = deciding(block, routes, leads, exits, self.facts)
+            leads = deciding(block, routes, leads, self.facts, copy=block.stem == whole)
             leads = leads._replace(becoming=self.becoming(block, routes))
             if block.resumes is not None:
                 self.meanwhile(block, scope, routes, leads, sections)
@@ -220,9 +217,7 @@ class _Flattening:
         elif isinstance(block, Recursive):
             for each in block.requirements:
                 self.requirements[f"{block.own}.{each.name}"] = f"{block.own}.", each
-            self.series(
-                block.blocks, scope.into(block), leads.exits, sections, whole=(block.stem, leads.named)
-            )
+            self.series(block.blocks, scope.into(block), leads.exits, sections, whole=block.stem)
 
     def objective(self, block: Objective, scope: Scope, leads: Destinations) -> ElementarySection:
         self.counted.add(len(block.parameters), block.source)
@@ -245,7 +240,7 @@ class _Flattening:
             None if block.timeout is None else leads.timed_out.target,
             self.settings(block),
             leads.cases,
-            tuple((each.name, leads.named[each.name].lead.target) for each in reasons),
+            tuple((each.name, leads.named[each.name].target) for each in reasons),
             parts,
             leads.becomes,
         )

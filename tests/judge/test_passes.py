@@ -143,6 +143,14 @@ def lost(activity: Activity) -> Activity:
     return replace(activity, failures=("lost", "cold")) if activity.name == "a" else activity
 
 
+def test_the_judge_gives_the_same_before_and_after_routes_for_reasons_are_on_all_that_they_leave() -> None:
+    for of in (TRIES, OUTER, ANOTHER_WAY):
+        written = core(of, until="pauses")
+        rewritten = core(written, until="named_failures")
+        assert rewritten.blocks != written.blocks
+        assert alike(Interpreter(written), Interpreter(rewritten)) > 3
+
+
 def test_the_judge_gives_the_same_before_and_after_early_ends_are_counted() -> None:
     for each in (ANY, RACE, FAILS_TWO, FAILS_ONE, SECOND_FAILS, DOOMED, DOOMED_ALL):
         assert alike(Interpreter(each), Interpreter(core(each, until="early_ends"))) > 1

@@ -300,6 +300,49 @@ def test_missions_of_authors_resume_nothing() -> None:
         flatten(mission(robot((), activity("a", ())), first, again))
 
 
+NAMED = """<objective name="go" retries="1">
+    <route on="failure" reason="lost" when="sunny" goto="rest"/>
+    <route on="failure" when="held" goto="rest"/>
+    <objective name="way">
+      <route on="failure" reason="cold" goto="fail"/>
+      <objective name="x" activities="a" failures="lost cold"/>
+      <objective name="y" activities="a" failures="lost cold"/>
+    </objective>
+  </objective>
+  <objective name="rest" activities="a"/>"""
+
+
+def test_all_that_a_failure_for_a_reason_leaves_says_where_it_leads(tmp_path: Path) -> None:
+    robot = '<robot name="r"><fact name="sunny"/><fact name="held"/><activity name="a"/></robot>'
+    path = tmp_path / "m.xml"
+    path.write_text(f'<mission name="m" xmlns="urn:mcpn:mission:1">{robot}{NAMED}</mission>')
+    written = core(read_mission(path), until="named_failures")
+    said = {
+        block.name: [(r.reason, " ".join(r.when), r.goto) for r in block.routes]
+        for block in walk(written.blocks)
+        if block.routes
+    }
+    leaves = [("lost", "", "fail lost"), ("cold", "", "fail cold")]
+    assert said == {
+        "go": [
+            (None, "held", "rest"),
+            ("lost", "sunny", "rest"),
+            ("lost", "held", "rest"),
+            ("lost", "", "fail"),
+        ],
+        "go_try1": [("lost", "sunny", "fail lost"), ("lost", "", "go_try2")],
+        "go_try2": [("lost", "", "fail lost")],
+        **{f"go_try{n}.way": [("lost", "", "fail lost"), ("cold", "", "fail")] for n in (1, 2)},
+        **{f"go_try{n}.{leaf}": leaves for n in (1, 2) for leaf in "xy"},
+    }
+    path.write_bytes(text := write_mission(written))
+    assert read_mission(path) == written
+    assert core(written) == core(read_mission(path)) == core(core(written))
+    path.write_bytes(text.replace(b'goto="fail lost"', b'goto="fail cold"', 1))
+    with pytest.raises(InputError, match="leads to fail cold; expected one of"):
+        read_mission(path)
+
+
 GUARDED = """<objective name="take" activities="a" timeout="9" timeout_goto="put" failure="put">
     <route when="sunny" goto="put"/>
     <on event="stop" goto="put"/>

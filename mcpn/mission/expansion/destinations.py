@@ -28,6 +28,14 @@ class Destination(NamedTuple):
     target: str
     cases: tuple[FactCase, ...] = ()
 
+    def once(self) -> Destination:
+        """The same without cases that never count, for one before them holds whenever they do."""
+        kept = list[FactCase]()
+        for case in self.cases:
+            if not any({*before.when} <= {*case.when} for before in kept):
+                kept.append(case)
+        return Destination(self.target, tuple(kept))
+
 
 def by_facts(cases: Iterable[tuple[Condition, Destination]], default: Destination) -> Destination:
     """One lead that chooses by facts: the lead of the first condition that holds, else the default.
@@ -54,32 +62,9 @@ def _both(one: Condition, other: Condition) -> Condition | None:
     return tuple(both.items())
 
 
-class Named(NamedTuple):
-    """Where a failure for a reason leads.
-
-    Args:
-        own: Routes of the block that name the reason, with their conditions.
-        otherwise: Where it leads where none of these fits.
-    """
-
-    own: tuple[tuple[Condition, Destination], ...]
-    otherwise: Destination
-
-    @property
-    def lead(self) -> Destination:
-        """Both in one."""
-        return by_facts(self.own, self.otherwise)
-
-
 def failing_for(reason: str) -> str:
     """The name of the exit by which blocks are left that fail for a reason; no block is called so."""
     return f"{FAIL} {reason}"
-
-
-def reasons_led(exits: Iterable[str]) -> list[str]:
-    """The reasons that some exits have, of the names of all exits."""
-    named = (exit_ for exit_ in exits if exit_.startswith(f"{FAIL} ") and exit_ != UNNAMED)
-    return [exit_.removeprefix(f"{FAIL} ") for exit_ in named]
 
 
 class Destinations(NamedTuple):
@@ -98,27 +83,12 @@ class Destinations(NamedTuple):
     failure: Destination
     abort: Destination
     timed_out: Destination
-    named: Mapping[str, Named] = {}
+    named: Mapping[str, Destination] = {}
     becoming: tuple[tuple[Becoming, Destination], ...] = ()
-
-    def failing(self, lead: Destination) -> Destinations:
-        """The same of a copy of the block whose failure leads to the next, whatever routes name no reason."""
-        named = {reason: each._replace(otherwise=lead) for reason, each in self.named.items()}
-        return self._replace(failure=lead, named=named)
-
-    def of_copy(self, named: Mapping[str, Named], *, last: bool) -> Destinations:
-        """The same of a copy of a block: its failures for reasons ask first the routes of the whole.
-
-        Args:
-            named: Those of the whole.
-            last: Whether its failure is that of the whole, and leads to no other copy.
-        """
-        return self._replace(named=named) if last else self._replace(named=named).failing(self.failure)
 
     def of_reasons(self, reasons: Iterable[str]) -> Destinations:
         """The same of an objective that fails for these: where nobody asks, as it fails for none."""
-        plain = Named((), self.failure)
-        return self._replace(named={reason: self.named.get(reason, plain) for reason in reasons})
+        return self._replace(named={reason: self.named.get(reason, self.failure) for reason in reasons})
 
     @property
     def becomes(self) -> tuple[Becoming, ...]:
@@ -133,7 +103,7 @@ class Destinations(NamedTuple):
             "failure": self.failure,
             "abort": self.abort,
             TIMED_OUT: self.timed_out,
-            **{failed_for(reason): each.lead for reason, each in self.named.items()},
+            **{failed_for(reason): lead for reason, lead in self.named.items()},
             **{left_by(number): lead for number, (_, lead) in enumerate(self.becoming, 1)},
         }
         return tuple((outcome, case) for outcome, lead in leads.items() for case in lead.cases)
@@ -142,7 +112,7 @@ class Destinations(NamedTuple):
     def exits(self) -> dict[str, Destination]:
         """For the blocks inside: by the name of an exit as their routes say it, where that exit leads."""
         exits = {SUCCEED: self.success, FAIL: self.failure, ABORT: self.abort, UNNAMED: self.failure}
-        exits |= {failing_for(reason): each.lead for reason, each in self.named.items()}
+        exits |= {failing_for(reason): lead for reason, lead in self.named.items()}
         return exits | {TIMED_OUT: self.timed_out}
 
 
@@ -150,31 +120,27 @@ def deciding(
     block: Block,
     routes: Mapping[str, Destination],
     leads: Destinations,
-    exits: Mapping[str, Destination],
     facts: Mapping[str, Fact],
+    *,
+    copy: bool = False,
 ) -> Destinations:
-    """The leads of a block, its routes with a condition on facts or a reason put before the others."""
-    own = defaultdict[str, list[tuple[Condition, str]]](list)
-    named = {reason: list[tuple[Condition, str]]() for reason in reasons_led(exits)}
+    """The leads of a block, its routes with a condition on facts or a reason put before the others.
+
+    A copy of the block around repeats conditions of its routes for reasons: each of them counts once.
+    """
+    if not block.routes:
+        return leads
+    own = defaultdict[str, list[tuple[Condition, Destination]]](list)
+    named = dict[str, list[tuple[Condition, Destination]]]()
     for route in block.routes:
         decided = own[route.on] if route.reason is None else named.setdefault(route.reason, [])
-        decided.append((resolved(route.when, facts), route.goto))
-    if not block.routes and not named:
-        return leads
-
-    def led(
-        cases: list[tuple[Condition, str]], failing: Destination
-    ) -> tuple[tuple[Condition, Destination], ...]:
-        return tuple((when, failing if goto == FAIL else routes[goto]) for when, goto in cases)
-
+        unnamed = FAIL if route.goto == failing_for(route.reason or "") else route.goto
+        decided.append((resolved(route.when, facts), routes.get(route.goto) or routes[unnamed]))
     success, failure, abort, late = (
-        by_facts(led(own[on], routes[FAIL]), lead)
+        by_facts(own[on], lead)
         for on, lead in zip(("success", "failure", "abort", "timeout"), leads[:4], strict=True)
     )
-    found = dict[str, Named]()
-    for reason, cases in named.items():
-        # What fails so fails the block around for the same reason.
-        around = exits.get(failing_for(reason), routes[FAIL])
-        default = around if block.failure in (None, FAIL) else leads.failure
-        found[reason] = Named(led(cases, around), by_facts(led(own["failure"], around), default))
+    found = {reason: by_facts(cases, leads.failure) for reason, cases in named.items()}
+    if copy:
+        found = {reason: lead.once() for reason, lead in found.items()}
     return Destinations(success, failure, abort, late if block.timeout_goto else failure, found)

@@ -71,10 +71,11 @@ NAME = Datatype(
 )
 CORE_NAME = replace(
     NAME,
-    pattern=rf"{_LETTER}{_CHARACTER}*(\.{_CHARACTER}+)*|timed out|fail without reason",
+    pattern=rf"{_LETTER}{_CHARACTER}*(\.{_CHARACTER}+)*|timed out"
+    rf"|fail (without reason|{_LETTER}{_CHARACTER}*)",
     expected="letters, digits and _, no digit first, perhaps qualified by other names: visit_12.travel",
 )
-"""A name in core missions, or an exit of copies alone: their time is over, or they fail for no reason."""
+"""A name in core missions, or an exit that no author needs: time is over, a failure has no reason, or one."""
 NAMES = Datatype(
     "names",
     "names",

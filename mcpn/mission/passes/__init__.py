@@ -5,8 +5,8 @@ one after the other, parallel blocks and elementary objectives, each with the na
 (``visit_12.travel_try2``). Such a mission is a *core mission* (``core="true"`` in files): its names may be
 qualified, and blocks say by ``copy`` which copy of what is written they are.
 
-What no mission says remains for the objectives graph (:mod:`mcpn.mission.flatten`): where blocks lead that
-fail for a reason.
+Nothing that an author writes is left to the objectives graph (:mod:`mcpn.mission.flatten`), which resolves
+what a core mission says: where exits of blocks lead, as facts are, and which handlers are in effect where.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from mcpn.mission.passes.early_ends import early_ends
 from mcpn.mission.passes.faults import faults
 from mcpn.mission.passes.guards import guards
 from mcpn.mission.passes.limits import measure
+from mcpn.mission.passes.named_failures import named_failures
 from mcpn.mission.passes.parameters import parameters
 from mcpn.mission.passes.pauses import pauses
 from mcpn.mission.passes.reasons import reasons
@@ -45,6 +46,7 @@ PASSES: tuple[Callable[[Mission], Mission], ...] = (
     faults,
     crashes,
     pauses,
+    named_failures,
 )
 """In the order in which they run."""
 
