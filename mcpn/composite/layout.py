@@ -188,8 +188,7 @@ def _idle_events(mission_net: MissionNet) -> Iterator[tuple[int, What, str]]:
     initial = mission_net.in_service
     for t, event in mission_net.net.events.pairs:
         if event.what in HARDWARE:
-            consume, _, read = mission_net.net.arcs(t)
-            needed = *consume, *read
+            needed = mission_net.net.needs(t)
             if event.what is not What.OUT_OF_SERVICE or all(initial[p] for p, _ in needed):
                 yield t, event.what, event.element
 

@@ -224,8 +224,7 @@ class PetriNet(Drawn, ValueRecord):
         return [place for place, users in self.internal_users.items() if len(users) > most]
 
     def _rarest(self, transition: int) -> int:
-        consume, _, read = self.arcs(transition)
-        return min((len(self.internal_users[place]), place) for place, _ in (*consume, *read))[1]
+        return min((len(self.internal_users[place]), place) for place, _ in self.needs(transition))[1]
 
     def event(self, transition: int) -> Event | None:
         """The event of a transition."""
@@ -235,6 +234,11 @@ class PetriNet(Drawn, ValueRecord):
         """What a transition consumes, produces and reads."""
         drawn = self.transitions[transition]
         return drawn.consume, drawn.produce, drawn.read
+
+    def needs(self, transition: int) -> Arcs:
+        """What a transition consumes, and what it reads."""
+        drawn = self.transitions[transition]
+        return (*drawn.consume, *drawn.read)
 
     def origin(self, place: int) -> Provenance | None:
         """What has made a place."""

@@ -35,15 +35,11 @@ class Completion:
     def __init__(self, net: PetriNet) -> None:
         self.net = net
         # What each transition consumes or reads, put together when it is first asked for.
-        self.needs = ByKey[int, Arcs](self._needs)
+        self.needs = ByKey[int, Arcs](net.needs)
         self._queue = {
             net.ranks[transitions[0]]: number for number, transitions in enumerate(net.internal_ranks)
         }
         self._concerned: dict[int, tuple[Sequence[tuple[int, int]], Sequence[int], Sequence[int]]] = {}
-
-    def _needs(self, t: int) -> Arcs:
-        consume, _, read = self.net.arcs(t)
-        return (*consume, *read)
 
     def settle(self, marking: list[int], fired: Iterable[int] | None = None) -> Iterator[int]:
         """The internal transitions fired until the marking is stable; it is changed in place.

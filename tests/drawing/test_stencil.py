@@ -59,6 +59,7 @@ def asked_before_it_is_drawn(mission: Mission, templates: TemplateSet, drawn: Pe
     assert net.consuming(outside) == drawn.consuming(outside)
     some = [*range(0, len(net.transitions), 7)]
     assert [(net.event(t), net.arcs(t)) for t in some] == [(drawn.event(t), drawn.arcs(t)) for t in some]
+    assert [sorted(net.needs(t)) for t in some] == [sorted(drawn.needs(t)) for t in some]
     assert [*map(net.origin, range(len(net.places)))] == [place.provenance for place in drawn.places]
     assert [net.transitions[t] for t in some] == [drawn.transitions[t] for t in some]
     assert [net.places[p] for p in range(0, len(net.places), 5)] == [*drawn.places[::5]]

@@ -183,6 +183,13 @@ class CopiedNet(PetriNet):
             return super().arcs(transition)
         return (copy := self.copies.every[number]).stencil.arcs(copy, within, self.copies.entry)
 
+    def needs(self, transition: int) -> Arcs:
+        """What a transition consumes, and what it reads."""
+        number, within = self.copies.transitions.at(transition)
+        if number is None or self._transitions.drawn:
+            return super().needs(transition)
+        return (copy := self.copies.every[number]).stencil.needs(copy, within)
+
     def origin(self, place: int) -> Provenance | None:
         """What has made a place."""
         number, within = self.copies.places.at(place)

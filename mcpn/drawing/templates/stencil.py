@@ -209,6 +209,24 @@ class Stencil:
         arcs = self._arcs
         return arcs(copy, consume, entry), arcs(copy, produce, entry), arcs(copy, read, entry)
 
+    def needs(self, copy: Copy, number: int) -> Arcs:
+        """What a transition of a copy consumes, and what it reads."""
+        others, own = self._needs[number]
+        first = copy.place
+        return (*others, *[(first + place, weight) for place, weight in own])
+
+    @cached_property
+    def _needs(self) -> Sequence[tuple[Sequence[tuple[int, int]], Sequence[tuple[int, int]]]]:
+        """By transition what it needs of others, by number in the net, and of its own."""
+        every = [(*one.sides[0], *one.sides[2]) for one in self.transitions]
+        return [
+            (
+                [(self.fixed(n), weight) for n, weight in side if n >= self.own],
+                [(n, weight) for n, weight in side if n < self.own],
+            )
+            for side in every
+        ]
+
     def _arcs(self, copy: Copy, side: _Side, entry: Entry) -> Arcs:
         if not side:
             return ()
