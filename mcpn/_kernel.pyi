@@ -608,30 +608,21 @@ class TokenNet:
     ) -> list[tuple[int, list[int]]]:
         """Runs to the goals that were met; a second token in a place has the number after the last goal."""
 
-    def seek(
-        self,
-        initial: Sequence[int],
-        goals: Goals,
-        root: int,
-        stubborn: bool,
-        max_states: int,
-        max_bytes: int,
-    ) -> tuple[str, int, list[int]]:
-        """Best-first search: ``reached``, ``unreachable`` or the limit hit; the markings seen; the run."""
+    def seek(self, initial: Sequence[int], goals: Goals, root: int, stubborn: bool) -> GoalSearch:
+        """Best-first search for a marking of a goal."""
 
-    def plan(
-        self,
-        initial: Sequence[int],
-        goals: Goals,
-        root: int,
-        max_states: int,
-        max_bytes: int,
-        seed: int,
-    ) -> tuple[str, int, list[int]]:
-        """Greedy best-first search by the additive heuristic of planning; as of ``seek``.
+    def plan(self, initial: Sequence[int], goals: Goals, root: int, seed: int) -> GoalSearch:
+        """Greedy best-first search by the additive heuristic of planning.
 
         The seed draws the order of markings that are equally near.
         """
+
+@disjoint_base
+class GoalSearch:
+    """A search of a net for a marking of a goal; it goes on where it rested or where a limit ended it."""
+
+    def search(self, max_states: int, max_bytes: int) -> tuple[str, int, list[int]]:
+        """``reached``, ``unreachable``, ``pause`` or the limit hit; the markings seen; the run."""
 
 @disjoint_base
 class PathFinder:

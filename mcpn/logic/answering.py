@@ -408,23 +408,26 @@ class _Answers(OpenQuestions):
         """
         if short is False and self.net.priorities and self.typed and not isinstance(self.failed, LimitError):
             return
-        tried: set[Formula] = set()
-        while True:  # what one search decides may bring up parts for another
-            yield from self.bounded()
-            parts = [part for part in (*self.parts(), *self.bounding) if part not in tried]
-            goals = {part: goal for part in parts if (goal := self.known.goal(part)) is not None}
-            if not goals:
-                return
-            from mcpn.spaces.search.portfolio import ROUNDS, SHORT, Portfolio
+        from mcpn.spaces.search.portfolio import ROUNDS, SHORT, Portfolio
 
-            tried |= goals.keys()
-            budgets = [self.limited(budget) for budget in ([SHORT] if short else ROUNDS)]
-            searched = list(goals)
+        budgets = [self.limited(budget) for budget in ([SHORT] if short else ROUNDS)]
+        portfolio, had = Portfolio(self.net, self.searches), Counter[Formula]()
+        while True:  # what is learnt brings up other parts, which begin
+            yield from self.bounded()
+            goals = {part: goal for part in self.sought() if (goal := self.known.goal(part)) is not None}
+            number = min(map(had.__getitem__, goals), default=len(budgets))
+            if number == len(budgets):
+                return
+            portfolio.keep(goals.values())
+            searched = [part for part in goals if had[part] == number]
+            had.update(searched)
 
             def asked(index: int, among: Sequence[Formula] = searched) -> bool:
-                return among[index] not in self.known.values
+                return among[index] in self.sought()
 
-            for told in Portfolio(self.net, self.searches).deciding(list(goals.values()), budgets, asked):
+            for told in portfolio.going_on(
+                [goals[part] for part in searched], budgets[number], number, asked
+            ):
                 if told is None:
                     yield None
                     continue
@@ -450,7 +453,8 @@ class _Answers(OpenQuestions):
         if self.net.priorities or not self.searches.fits:  # whose atoms are no conditions on tokens alone
             return
         for steps in self.affordable(rounds):
-            searched = steps > LOCAL_STEPS[0 if not self.typed else 1]
+            # What a search looks for is its own: it needs fewer markings.
+            searched = self.typed and steps > LOCAL_STEPS[1]
             asked = [part for part in (*self.parts(), *self.nested) if not says_paths(part)]
             parts = [part for part in asked if searched or self.known.goal(part) is None]
             if not parts:

@@ -75,6 +75,17 @@ class OpenQuestions:
         formulas = (asked for asked in self.waiting.values() if isinstance(asked, Formula))
         return sorted(dict.fromkeys(chain.from_iterable(map(parts_at_first, formulas))), key=effort)
 
+    def sought(self) -> list[Formula]:
+        """The parts that are asked for as they stand now, and what may decide them."""
+        parts = self.parts()
+        wanted = {*parts}
+        beside = [
+            part
+            for part, bounded in self.bounding.items()
+            if part in self.nested or any(other in wanted for other, _ in bounded)
+        ]
+        return list(dict.fromkeys((*parts, *beside)))
+
     def learn(self, part: Meaning, value: float, *ways: str) -> Iterator[ContestAnswer]:
         """Puts a value where it is asked for, and yields what that answers."""
         if isinstance(part, Formula):

@@ -152,6 +152,8 @@ class Caller:
                 self.call(self.random.choice((kernel.SafeNet, kernel.CountedNet)), "explore")
             case kernel.Explorer:
                 self.call(kernel.SafeNet, "explorer")
+            case kernel.GoalSearch:
+                self.call(kernel.TokenNet, self.random.choice(("seek", "plan")))
             case _:
                 self.keep(self.attempt(kind.__name__, kind, CLASSES[kind](self)))
 
@@ -368,7 +370,15 @@ CLASSES: dict[type, Callable[[Caller], tuple[Any, ...]]] = {
         me.random.choice((0, 1, 300)),
     ),
 }
-ANSWERS = {*CLASSES, kernel.Zdd, kernel.Firings, kernel.Markings, kernel.Exploration, kernel.Explorer}
+ANSWERS = {
+    *CLASSES,
+    kernel.Zdd,
+    kernel.Firings,
+    kernel.Markings,
+    kernel.Exploration,
+    kernel.Explorer,
+    kernel.GoalSearch,
+}
 BOTH = lambda me, _: (me.some(kernel.Zdd),)  # noqa: E731
 NOTHING = lambda me, _: ()  # noqa: E731
 METHODS: dict[str, Callable[[Caller, Any], tuple[Any, ...]]] = {
@@ -484,17 +494,14 @@ METHODS: dict[str, Callable[[Caller, Any], tuple[Any, ...]]] = {
         me.some(kernel.Goals),
         me.root(),
         me.flag(),
-        me.limit(),
-        me.bytes_limit(),
     ),
     "TokenNet.plan": lambda me, _: (
         me.marking(),
         me.some(kernel.Goals),
         me.root(),
-        me.limit(),
-        me.bytes_limit(),
         me.number(1 << 60),
     ),
+    "GoalSearch.search": lambda me, _: (me.limit(), me.bytes_limit()),
     "PathFinder.search": lambda me, _: (
         me.limit(),
         me.bytes_limit(),

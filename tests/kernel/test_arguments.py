@@ -84,7 +84,7 @@ def test_goals_are_those_of_the_net() -> None:
     net = kernel.TokenNet(2, [([(0, 1)], [(0, -1), (1, 1)], 0)], False)
     other = kernel.Goals(1, [("at_most", [], [(0, 1)], 0)])
     with pytest.raises(ValueError, match="goals of another net"):
-        net.seek([1, 0], other, 0, False, 10, 1 << 20)
+        net.seek([1, 0], other, 0, False)
     with pytest.raises(ValueError, match="goals of another net"):
         net.walk([1, 0], other, [0], 10, 10, 0)
     with pytest.raises(ValueError, match="goals of another net"):

@@ -4,6 +4,7 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
+#include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
@@ -38,7 +39,7 @@ constexpr const char* kOperators[] = {"goal", "not", "all", "any", "next", "unti
 constexpr std::size_t kOperands[] = {1, 1, 0, 0, 1, 2, 1};  // 0: any number
 constexpr const char* kAnswers[] = {"no", "yes", "steps", "bytes", "tokens", "pause"};
 constexpr const char* kLassos[] = {"found", "none", "steps", "bytes", "tokens", "pause"};
-constexpr const char* kOutcomes[] = {"reached", "unreachable", "states", "bytes", "tokens"};
+constexpr const char* kOutcomes[] = {"reached", "unreachable", "states", "bytes", "tokens", "pause"};
 
 void check(const std::vector<Arc>& arcs, std::uint32_t places) {
   for (const auto& [place, weight] : arcs) {
@@ -138,25 +139,25 @@ void bind_search(nb::module_& module) {
          nb::arg("unsafe") = false, nb::arg("counts") = std::vector<Tokens>{},
          nb::arg("order") = std::vector<std::uint32_t>{})
       .def("seek", [](const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root,
-                      bool stubborn, std::uint64_t max_states, std::uint64_t max_bytes) {
+                      bool stubborn) {
         check(initial, net);
         check(goals, {root}, net);
-        const Search found = run([&](const GoOn& go_on) {
-          return seek(net, initial, goals, root, stubborn, max_states, max_bytes, go_on);
-        });
-        return std::tuple(std::string(kOutcomes[int(found.outcome)]), found.states, found.run);
-      }, nb::arg("initial"), nb::arg("goals"), nb::arg("root"), nb::arg("stubborn"), nb::arg("max_states"),
-         nb::arg("max_bytes"))
+        return seek(net, initial, goals, root, stubborn);
+      }, nb::keep_alive<0, 1>(), nb::keep_alive<0, 3>(), nb::arg("initial"), nb::arg("goals"), nb::arg("root"),
+         nb::arg("stubborn"))
       .def("plan", [](const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root,
-                      std::uint64_t max_states, std::uint64_t max_bytes, std::uint64_t seed) {
+                      std::uint64_t seed) {
         check(initial, net);
         check(goals, {root}, net);
-        const Search found = run([&](const GoOn& go_on) {
-          return plan(net, initial, goals, root, max_states, max_bytes, seed, go_on);
-        });
-        return std::tuple(std::string(kOutcomes[int(found.outcome)]), found.states, found.run);
-      }, nb::arg("initial"), nb::arg("goals"), nb::arg("root"), nb::arg("max_states"), nb::arg("max_bytes"),
+        return plan(net, initial, goals, root, seed);
+      }, nb::keep_alive<0, 1>(), nb::keep_alive<0, 3>(), nb::arg("initial"), nb::arg("goals"), nb::arg("root"),
          nb::arg("seed"));
+
+  nb::class_<GoalSearch>(module, "GoalSearch")
+      .def("search", [](GoalSearch& search, std::uint64_t max_states, std::uint64_t max_bytes) {
+        const Search found = run([&](const GoOn& go_on) { return search.search(max_states, max_bytes, go_on); });
+        return std::tuple(std::string(kOutcomes[int(found.outcome)]), found.states, found.run);
+      }, nb::arg("max_states"), nb::arg("max_bytes"));
 
   nb::class_<PathFinder>(module, "PathFinder")
       .def("__init__", [](PathFinder* self, const TokenNet& net, const Marking& initial, const Goals& goals,

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
+#include <iterator>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -102,6 +105,29 @@ class Markings : public Packed {
 
  private:
   std::vector<std::pair<std::uint32_t, Transition>> from_;
+};
+
+// A search by markings so many bits a place, which begins anew with more where tokens do not fit.
+template <class Narrow> class Widening : public GoalSearch {
+ public:
+  using Make = std::function<std::unique_ptr<Narrow>(std::uint32_t bits)>;
+  explicit Widening(Make make) : make_(std::move(make)) {}
+
+  Search search(std::uint64_t max_states, std::uint64_t max_bytes, const GoOn& go_on) override {
+    max_states = std::min<std::uint64_t>(max_states, kNone - 1);
+    while (true) {
+      if (!narrow_) narrow_ = make_(kWidths[width_]);
+      Search found = narrow_->search(max_states, max_bytes, go_on);
+      if (found.outcome != Outcome::tokens || width_ + 1 == std::size(kWidths)) return found;
+      narrow_.reset();
+      ++width_;
+    }
+  }
+
+ private:
+  Make make_;
+  std::unique_ptr<Narrow> narrow_;
+  std::size_t width_ = 0;  // of kWidths
 };
 
 }  // namespace mcpn::search

@@ -1,6 +1,8 @@
 // Best-first search with stubborn sets: A. Valmari, Stubborn sets for reduced state space generation, 1989; for
 // goals: L. M. Kristensen, K. Schmidt, A. Valmari, Question-guided stubborn set methods for state properties, 2006.
 #include <algorithm>
+#include <memory>
+#include <optional>
 #include <queue>
 #include <utility>
 
@@ -114,68 +116,91 @@ class Stubborn {
   std::vector<Transition> work_, chosen_, first_;
 };
 
-Search seek_packed(const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root,
-                   bool stubborn, std::uint32_t bits, std::uint64_t max_states, std::uint64_t max_bytes,
-                   const GoOn& go_on) {
-  Markings markings(net.places, bits);
-  if (!markings.fits(initial)) return {Outcome::tokens};
-  using Entry = std::pair<std::int64_t, std::uint32_t>;  // distance; the newest first among equals
-  std::priority_queue<Entry, std::vector<Entry>, decltype([](const Entry& a, const Entry& b) {
-                        return a.first != b.first ? a.first > b.first : a.second < b.second;
-                      })> open;
-  const bool asks_dead = goals.asks_dead(root);
-  Stubborn reduction(net, goals);
-  Marking marking(net.places);
-  std::vector<std::uint64_t> row, after;
-  std::vector<Transition> enabled;
-  std::vector<Tokens> sums = goals.sums(initial);
-  markings.add(markings.packed(initial), 0, 0);
-  open.emplace(0, 0);
-  if (!asks_dead && goals.distance(root, sums, 1) == 0) return {Outcome::reached, 1, {}};
-  for (std::uint64_t expanded = 0; !open.empty(); ++expanded) {
-    const std::uint32_t at = open.top().second;
-    open.pop();
-    markings.get(at, marking, row);
-    net.collect(marking, enabled);
-    sums = goals.sums(marking);
-    if (asks_dead && goals.distance(root, sums, enabled.size()) == 0)
-      return {Outcome::reached, markings.size(), markings.run(at)};
-    if (stubborn) reduction.reduce(marking, sums, root, enabled);
-    for (const Transition t : enabled) {
-      after = row;
-      if (!markings.fire(after, net.rules[t])) return {Outcome::tokens, markings.size(), {}};
-      if (markings.add(after, at, t)) {
-        const auto number = std::uint32_t(markings.size() - 1);
-        std::int64_t far = 0;
-        if (!asks_dead) {
-          for (const auto& [place, change] : net.rules[t].change)
-            for (const auto& [atom, weight] : goals.watch[place]) sums[atom] += weight * change;
-          far = goals.distance(root, sums, 1);
-          for (const auto& [place, change] : net.rules[t].change)
-            for (const auto& [atom, weight] : goals.watch[place]) sums[atom] -= weight * change;
-          if (far == 0) return {Outcome::reached, markings.size(), markings.run(number)};
-        }
-        open.emplace(far, number);
-        if (markings.size() > max_states) return {Outcome::states, markings.size(), {}};
-        if (markings.bytes() + open.size() * sizeof(Entry) > max_bytes) return {Outcome::bytes, markings.size(), {}};
+class Seeker {
+ public:
+  Seeker(const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root, bool stubborn,
+         std::uint32_t bits)
+      : net_(net), goals_(goals), root_(root), stubborn_(stubborn), asks_dead_(goals.asks_dead(root)),
+        fits_(Markings(net.places, bits).fits(initial)), markings_(net.places, bits), reduction_(net, goals),
+        marking_(net.places) {
+    if (!fits_) return;
+    markings_.add(markings_.packed(initial), 0, 0);
+    open_.emplace(0, 0);
+    at_once_ = !asks_dead_ && goals.distance(root, goals.sums(initial), 1) == 0;
+  }
+
+  Search search(std::uint64_t max_states, std::uint64_t max_bytes, const GoOn& go_on) {
+    if (!fits_) return {Outcome::tokens};
+    if (at_once_) return {Outcome::reached, 1, {}};
+    for (std::uint64_t expanded = 1; !open_.empty(); ++expanded) {
+      if (markings_.size() > max_states) return {Outcome::states, markings_.size(), {}};
+      if (markings_.bytes() + open_.size() * sizeof(Entry) > max_bytes) return {Outcome::bytes, markings_.size(), {}};
+      if (const std::optional<Search> found = expand()) return *found;
+      if ((expanded & 0x3FF) == 0) {
+        if (!go_on()) throw Interrupted();
+        return {Outcome::pause, markings_.size(), {}};
       }
     }
-    if ((expanded & 0x3FF) == 0x3FF && !go_on()) throw Interrupted();
+    return {Outcome::unreachable, markings_.size(), {}};
   }
-  return {Outcome::unreachable, markings.size(), {}};
-}
+
+ private:
+  using Entry = std::pair<std::int64_t, std::uint32_t>;  // distance; the newest first among equals
+  struct Later {
+    bool operator()(const Entry& a, const Entry& b) const {
+      return a.first != b.first ? a.first > b.first : a.second < b.second;
+    }
+  };
+
+  // Looks at all that follows the nearest marking; what it ends with, if it does.
+  std::optional<Search> expand() {
+    const std::uint32_t at = open_.top().second;
+    open_.pop();
+    markings_.get(at, marking_, row_);
+    net_.collect(marking_, enabled_);
+    std::vector<Tokens> sums = goals_.sums(marking_);
+    if (asks_dead_ && goals_.distance(root_, sums, enabled_.size()) == 0)
+      return Search{Outcome::reached, markings_.size(), markings_.run(at)};
+    if (stubborn_) reduction_.reduce(marking_, sums, root_, enabled_);
+    for (const Transition t : enabled_) {
+      after_ = row_;
+      if (!markings_.fire(after_, net_.rules[t])) return Search{Outcome::tokens, markings_.size(), {}};
+      if (!markings_.add(after_, at, t)) continue;
+      const auto number = std::uint32_t(markings_.size() - 1);
+      std::int64_t far = 0;
+      if (!asks_dead_) {
+        for (const auto& [place, change] : net_.rules[t].change)
+          for (const auto& [atom, weight] : goals_.watch[place]) sums[atom] += weight * change;
+        far = goals_.distance(root_, sums, 1);
+        for (const auto& [place, change] : net_.rules[t].change)
+          for (const auto& [atom, weight] : goals_.watch[place]) sums[atom] -= weight * change;
+        if (far == 0) return Search{Outcome::reached, markings_.size(), markings_.run(number)};
+      }
+      open_.emplace(far, number);
+    }
+    return std::nullopt;
+  }
+
+  const TokenNet& net_;
+  const Goals& goals_;
+  std::uint32_t root_;
+  bool stubborn_, asks_dead_, fits_, at_once_ = false;
+  Markings markings_;
+  std::priority_queue<Entry, std::vector<Entry>, Later> open_;
+  Stubborn reduction_;
+  Marking marking_;
+  std::vector<std::uint64_t> row_, after_;
+  std::vector<Transition> enabled_;
+};
 
 }  // namespace
 
-Search seek(const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root, bool stubborn,
-            std::uint64_t max_states, std::uint64_t max_bytes, const GoOn& go_on) {
-  max_states = std::min<std::uint64_t>(max_states, kNone - 1);
-  Search found{Outcome::tokens};
-  for (const std::uint32_t bits : kWidths) {  // wider where a place holds more than fits
-    found = seek_packed(net, initial, goals, root, stubborn && !net.priorities, bits, max_states, max_bytes, go_on);
-    if (found.outcome != Outcome::tokens) break;
-  }
-  return found;
+std::unique_ptr<GoalSearch> seek(const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root,
+                                 bool stubborn) {
+  stubborn = stubborn && !net.priorities;
+  return std::make_unique<Widening<Seeker>>([&net, initial, &goals, root, stubborn](std::uint32_t bits) {
+    return std::make_unique<Seeker>(net, initial, goals, root, stubborn, bits);
+  });
 }
 
 }  // namespace mcpn::search

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -95,20 +96,28 @@ struct Reached {
 std::vector<Reached> walk(const TokenNet& net, const Marking& initial, const Goals& goals,
                           const std::vector<std::uint32_t>& roots, const WalkOptions& options, const GoOn& go_on);
 
-enum class Outcome : std::uint8_t { reached, unreachable, states, bytes, tokens };
+enum class Outcome : std::uint8_t { reached, unreachable, states, bytes, tokens, pause };
 struct Search {
   Outcome outcome;
   std::uint64_t states = 0;
   std::vector<Transition> run{};
 };
 
+// A search that rests now and then, and ends at a limit: asked again, it goes on from there.
+class GoalSearch {
+ public:
+  virtual ~GoalSearch() = default;
+  virtual Search search(std::uint64_t max_states, std::uint64_t max_bytes, const GoOn& go_on) = 0;
+};
+
+// Both keep the net and the goals by reference.
 // Best first from the initial marking, nearest to the goal first; with stubborn sets where so asked.
-Search seek(const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root, bool stubborn,
-            std::uint64_t max_states, std::uint64_t max_bytes, const GoOn& go_on);
+std::unique_ptr<GoalSearch> seek(const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root,
+                                 bool stubborn);
 
 // Greedy best first by the additive heuristic of planning, with no stubborn sets: finds runs where `seek` is lost.
 // `draws` orders what is equally near.
-Search plan(const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root,
-            std::uint64_t max_states, std::uint64_t max_bytes, std::uint64_t draws, const GoOn& go_on);
+std::unique_ptr<GoalSearch> plan(const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root,
+                                 std::uint64_t draws);
 
 }  // namespace mcpn::search

@@ -115,7 +115,9 @@ class Facts:
                 places, bound, found, goal = each
                 if self._counted(goal, found.counts, effort):
                     yield places, bound, (*_proved(found.traps), RANDOM_WALK)
-                elif self._planned(goal, effort) or (yield from self._raised(places, bound, effort)):
+                elif (yield from self._planned(goal, effort)) or (
+                    yield from self._raised(places, bound, effort)
+                ):
                     yield places, bound, (*_proved(found.traps), HEURISTIC)
                 else:
                     left.append(each)
@@ -126,7 +128,7 @@ class Facts:
         """Whether a sum comes to a bound by searches that each begin where the last one ended, one more."""
         marking, weights = list(self.net.initial), Counter(places)
         while (held := sum(marking[place] * times for place, times in weights.items())) < bound:
-            found = self._planning(exceeding(places, held), effort, marking)
+            found = yield from self._planning(exceeding(places, held), effort, marking)
             if found.outcome != "reached":
                 return False
             for t in found.run:
@@ -158,7 +160,7 @@ class Facts:
                 continue
             self._asked.add(t)
             goal = fireable(self.net, t)
-            if self._planned(goal, 0):
+            if (yield from self._planned(goal, 0)):
                 self.fires.add(t)
                 continue
             solution = yield from self.equation.solving(goal)
@@ -166,7 +168,7 @@ class Facts:
                 self.dead.add(t)
                 self._traps = self._traps or bool(solution.traps)
             elif solution.kind == "possible" and (
-                self._counted(goal, solution.counts) or self._planned(goal, 1)
+                self._counted(goal, solution.counts) or (yield from self._planned(goal, 1))
             ):
                 self.fires.add(t)
 
@@ -222,7 +224,7 @@ class Facts:
         for effort in range(len(PLANNED)):
             for place in crowded:
                 yield
-                if self._planned(marked(place, tokens=2), effort):
+                if (yield from self._planned(marked(place, tokens=2), effort)):
                     return False, (HEURISTIC,)
         return (None, ()) if crowded else (True, _proved(self._traps))
 
@@ -372,13 +374,13 @@ class Facts:
         steps = min((STEPS + FIRINGS * firings) << 2 * effort, max(MOST_COUNTED, STEPS))
         return bool(self.searches.met([goal], steps=steps, seed=effort, counts=counts))
 
-    def _planned(self, goal: Goal, effort: int) -> bool:
+    def _planned(self, goal: Goal, effort: int) -> Pausing[bool]:
         """Whether a greedy search comes to a goal; what fires on its way is known to fire."""
-        return self.searches.fits and self._planning(goal, effort).outcome == "reached"
+        return self.searches.fits and (yield from self._planning(goal, effort)).outcome == "reached"
 
-    def _planning(self, goal: Goal, effort: int, start: Sequence[int] | None = None) -> Search:
+    def _planning(self, goal: Goal, effort: int, start: Sequence[int] | None = None) -> Pausing[Search]:
         most = max(PLANNED[effort] // (len(self.net.transitions) + 1), FEWEST_PLANNED)
-        found = self.searches.plan(goal, max_states=most, seed=effort, start=start)
+        found = yield from self.searches.planning(goal, seed=effort, start=start).searching(most)
         self.fires.update(found.run)
         return found
 

@@ -67,7 +67,7 @@ def growing(
         goal: Goal = And(*(marked(p, tokens=n) for p, n in descent_of(net, cycle).needs.items()))
         if holds(goal, net, net.initial):
             return Growth((), cycle)
-        found = searches.plan(goal, max_states=STATES)
+        found = yield from searches.planning(goal).searching(STATES)
         yield
         if found.outcome == "reached":
             return Growth(found.run, cycle)

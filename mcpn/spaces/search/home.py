@@ -148,7 +148,7 @@ def proving_home(equation: StateEquation, searches: Searches, marking: Marking) 
                 return Home(marking, rules, weights, ends, tuple(proofs))
         if found.kind == "unknown":
             return None
-        more = _another(searches, found.marking, marking, chosen, singles)
+        more = yield from _another(searches, found.marking, marking, chosen, singles)
         if more is None:
             return None
         chosen.append(more)
@@ -171,7 +171,7 @@ def _left_open(equation: StateEquation, marking: Marking, empty: Sequence[int]) 
 
 def _another(
     searches: Searches, stuck: Marking, home: Marking, chosen: list[Descent], singles: list[Descent]
-) -> Descent | None:
+) -> Pausing[Descent | None]:
     """A rule that may be fired in a marking where those chosen so far may not."""
     net = searches.net
     exactly = And(
@@ -180,7 +180,7 @@ def _another(
             for place, tokens in enumerate(home)
         )
     )
-    found = searches.seek(exactly, max_states=MARKINGS, start=stuck)
+    found = yield from searches.seeking(exactly, start=stuck).searching(MARKINGS)
     for length in range(1, min(len(found.run), LONGEST) + 1):
         rule = descent_of(net, found.run[:length])
         if not rule.applies(home) and _ranked(net, [*chosen, rule], singles):

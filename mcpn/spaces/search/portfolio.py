@@ -9,8 +9,9 @@ Budgets are counts of firings and markings, never seconds, so that the same ques
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.reduce.reduction import Reduction, reduce_for_deadlock, reduce_for_goal
@@ -25,7 +26,7 @@ from mcpn.spaces.search import (
     TRAPS,
 )
 from mcpn.spaces.search.goal import DEADLOCK, Goal, asks_dead, holds, renamed, wanted
-from mcpn.spaces.search.searches import Run, Searches, leads_to, replay, shortened
+from mcpn.spaces.search.searches import MAX_BYTES, Run, Searches, Seeking, leads_to, replay, shortened
 from mcpn.turns import Pausing
 
 MOST_LEFT = 100_000
@@ -72,7 +73,13 @@ FIRINGS, MOST_COUNTED = 4, 4_000_000
 """Firings tried for each that the state equation proposes, and in all."""
 SHORT = Round(0, 20_000)
 """A search alone, whose runs are shorter than those of walks."""
-ROUNDS = (Round(20_000, 2_000), Round(60_000, 20_000, equation=True), Round(200_000, 200_000))
+ROUNDS = (
+    Round(20_000, 2_000),
+    Round(60_000, 20_000, equation=True),
+    Round(200_000, 200_000),
+    Round(600_000, 2_000_000),
+    Round(2_000_000, 20_000_000),
+)
 
 
 class Portfolio:
@@ -86,75 +93,95 @@ class Portfolio:
 
     def __init__(self, net: PetriNet, searches: Searches | None = None) -> None:
         self.net, self.searches = net, searches or Searches(net)
+        self._tasks: dict[Goal, _Task] = {}
+        self._arcs = 0
 
     def decide(
-        self,
-        goals: Sequence[Goal],
-        rounds: Sequence[Round] = ROUNDS,
+        self, goals: Sequence[Goal], rounds: Sequence[Round] = ROUNDS
     ) -> Iterator[tuple[int, SearchResult]]:
         """What :meth:`deciding` finds, at once."""
         return (told for told in self.deciding(goals, rounds) if told is not None)
 
     def deciding(
-        self,
-        goals: Sequence[Goal],
-        rounds: Sequence[Round] = ROUNDS,
-        asked: Callable[[int], bool] = lambda _: True,
+        self, goals: Sequence[Goal], rounds: Sequence[Round] = ROUNDS
     ) -> Iterator[tuple[int, SearchResult] | None]:
         """Decides goals, the easy ones first.
 
         Args:
             goals: What may be reachable.
             rounds: Budgets, growing.
-            asked: Whether the goal of an index is still asked for.
 
         Yields:
             The index of a goal and what was found, as it comes; goals that no way decides are left out.
             ``None`` for a pause.
         """
-        waiting = []
+        left = []
         for index, goal in enumerate(goals):
             if holds(goal, self.net, self.net.initial):
                 yield index, SearchResult(True, (), (INITIAL_STATE,))
             else:
-                waiting.append(index)
+                left.append(index)
+        for number, budget in enumerate(rounds):
+            waiting = left
+            for told in self.going_on([goals[index] for index in waiting], budget, number):
+                if told is not None:
+                    told = waiting[told[0]], told[1]
+                    left = [index for index in left if index != told[0]]
+                yield told
+
+    def going_on(
+        self,
+        goals: Sequence[Goal],
+        budget: Round,
+        number: int,
+        asked: Callable[[int], bool] = lambda _: True,
+    ) -> Iterator[tuple[int, SearchResult] | None]:
+        """One round of some goals; those that had one before go on from there.
+
+        Args:
+            goals: What may be reachable, and does not hold at first.
+            budget: Of the round.
+            number: How many rounds these goals have had.
+            asked: Whether the goal of an index is still asked for.
+
+        Yields:
+            As :meth:`deciding`.
+        """
         if not self.searches.fits:
             return
-        tasks: dict[int, _Task] = {}
-        shared: Reduction | None = None
-        arcs = 0
-        for number, budget in enumerate(rounds):
-            waiting = list(filter(asked, waiting))
-            if not waiting:
-                return
-            beyond = STEPS_OF_TRANSITION * len(self.net.transitions) if budget.steps else 0
-            steps = (budget.steps + beyond) * len(waiting)
-            met = set[int]()
-            for walked in self.searches.walking([goals[index] for index in waiting], steps, seed=number):
-                if walked is None:
-                    yield None
-                    continue
-                index = waiting[walked[0]]
-                met.add(index)
-                run = shortened(self.net, walked[1])
-                yield index, SearchResult(True, _direct(self.net, run, goals[index]), (RANDOM_WALK,))
-            waiting = [index for index in waiting if index not in met]
-            yield None
-            left = []
-            if number == 0 and len(waiting) > 1:
-                shared = _shared(self.net, [goals[index] for index in waiting])
-            for index in filter(asked, waiting):
-                task = tasks.get(index)
-                if task is None:
-                    task = tasks[index] = _Task(self.net, goals[index], shared, alone=arcs <= MOST_REDUCED)
-                    arcs += task.arcs
-                finding = yield from task.searching(budget, seed=number, alone=len(goals) == 1)
-                if finding is None:
-                    left.append(index)
-                else:
-                    yield index, finding
+        waiting = list(range(len(goals)))
+        beyond = STEPS_OF_TRANSITION * len(self.net.transitions) if budget.steps else 0
+        steps = (budget.steps + beyond) * len(waiting)
+        met = set[int]()
+        for walked in self.searches.walking([goals[index] for index in waiting], steps, seed=number):
+            if walked is None:
                 yield None
-            waiting = left
+                continue
+            index = waiting[walked[0]]
+            met.add(index)
+            run = shortened(self.net, walked[1])
+            yield index, SearchResult(True, _direct(self.net, run, goals[index]), (RANDOM_WALK,))
+        waiting = [index for index in waiting if index not in met]
+        yield None
+        new = [goals[index] for index in waiting if goals[index] not in self._tasks]
+        shared = _shared(self.net, new) if len(new) > 1 else None
+        for index in filter(asked, waiting):
+            goal = goals[index]
+            task = self._tasks.get(goal)
+            if task is None:
+                task = self._tasks[goal] = _Task(self.net, goal, shared, alone=self._arcs <= MOST_REDUCED)
+                self._arcs += task.arcs
+            finding = yield from task.searching(
+                budget, number, MAX_BYTES // len(waiting), alone=len(goals) == 1
+            )
+            if finding is not None:
+                del self._tasks[goal]
+                yield index, finding
+            yield None
+
+    def keep(self, goals: Iterable[Goal]) -> None:
+        """Forgets what was searched for other goals."""
+        self._tasks = {goal: task for goal in goals if (task := self._tasks.get(goal))}
 
 
 class _Task:
@@ -190,7 +217,14 @@ class _Task:
             self.inner = renamed(self.inner, reduction.place_index.__getitem__)
         return reduction.net
 
-    def searching(self, budget: Round, seed: int, alone: bool) -> Pausing[SearchResult | None]:
+    @cached_property
+    def _seeking(self) -> Seeking:
+        """A search for all that is reachable, which each round goes on with."""
+        return self.searches.seeking(self.inner)
+
+    def searching(
+        self, budget: Round, seed: int, max_bytes: int, *, alone: bool
+    ) -> Pausing[SearchResult | None]:
         """Walks and searches, within a budget; nothing where neither decides."""
         if self.reductions:
             if not self.searches.fits:
@@ -199,18 +233,18 @@ class _Task:
             if walked:
                 return self._reached(walked[0], RANDOM_WALK)
             yield
-        if budget.steps:
-            run = self.searches.plan(self.inner, max_states=budget.states, seed=seed)
-            if run.outcome == "reached":
-                return self._reached(run.run, HEURISTIC)
-            yield
         more = ALONE if alone and budget.equation else 1
-        run = self.searches.seek(self.inner, max_states=budget.states * more)
+        run = yield from self._seeking.searching(budget.states * more, max_bytes)
         if run.outcome == "reached":
             return self._reached(run.run, *self.ways)
         if run.outcome == "unreachable":
             return SearchResult(False, None, (*self.techniques, *self.ways))
         yield
+        if budget.steps:  # each marking takes longer
+            run = yield from self.searches.planning(self.inner, seed=seed).searching(budget.states)
+            if run.outcome == "reached":
+                return self._reached(run.run, HEURISTIC)
+            yield
         return (yield from self._by_equation(budget, seed)) if budget.equation else None
 
     def _by_equation(self, budget: Round, seed: int) -> Pausing[SearchResult | None]:

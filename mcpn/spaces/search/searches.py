@@ -12,12 +12,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Literal, NamedTuple, TypeAlias, cast
 
-from mcpn._kernel import TokenNet
+from mcpn._kernel import GoalSearch, TokenNet
 from mcpn.errors import UnsafeError
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.structure import changes, needs
 from mcpn.spaces.markings.masked import unsafe_at_start
 from mcpn.spaces.search.goal import Goal, encode, holds
+from mcpn.turns import Pausing, finished
 
 Run: TypeAlias = tuple[int, ...]
 """Transitions by index, from the initial marking on."""
@@ -44,6 +45,26 @@ class Search(NamedTuple):
     outcome: Outcome
     states: int
     run: Run = ()
+
+
+class Seeking:
+    """A search for a marking of a goal that rests now and then, and goes on where a limit has ended it.
+
+    Args:
+        net: The net.
+        start: Where it begins.
+        work: The search in the kernel.
+    """
+
+    def __init__(self, net: PetriNet, start: Sequence[int], work: GoalSearch) -> None:
+        self._net, self._start, self._work = net, start, work
+
+    def searching(self, max_states: int, max_bytes: int = MAX_BYTES) -> Pausing[Search]:
+        """Goes on to a limit on markings and on memory, both counted from the beginning."""
+        while (ended := self._work.search(max_states, max_bytes))[0] == "pause":
+            yield
+        outcome, states, run = ended
+        return Search(cast(Outcome, outcome), states, shortened(self._net, run, self._start))
 
 
 class Searches:
@@ -214,57 +235,46 @@ class Searches:
             self.net.places[place].name, self.net.transitions[last].name, self.net.marked(before), names
         )
 
-    def plan(
-        self,
-        goal: Goal,
-        *,
-        max_states: int,
-        max_bytes: int = MAX_BYTES,
-        seed: int = 0,
-        start: Sequence[int] | None = None,
-    ) -> Search:
+    def planning(self, goal: Goal, *, seed: int = 0, start: Sequence[int] | None = None) -> Seeking:
         """Searches greedily for a marking of a goal, by the additive heuristic of planning.
 
         Args:
             goal: What is looked for.
-            max_states: Limit on markings.
-            max_bytes: Limit on memory.
             seed: Draws the order of what is equally near.
             start: Where to begin; by default in the initial marking.
 
         Returns:
-            As :meth:`seek`. Its runs are longer, and it finds some that :meth:`seek` does not.
+            The search, which is still to begin. Its runs are longer than those of :meth:`seeking`, and it
+            finds some that the other does not.
         """
         encoded, (root,) = encode((goal,), len(self.net.places))
-        begin = self.net.initial if start is None else start
-        outcome, states, run = self.kernel.plan(begin, encoded, root, max_states, max_bytes, seed)
-        return Search(cast(Outcome, outcome), states, shortened(self.net, run, begin))
+        begin = self.net.initial if start is None else tuple(start)
+        return Seeking(self.net, begin, self.kernel.plan(begin, encoded, root, seed))
 
-    def seek(
-        self,
-        goal: Goal,
-        *,
-        max_states: int,
-        max_bytes: int = MAX_BYTES,
-        stubborn: bool = True,
-        start: Sequence[int] | None = None,
-    ) -> Search:
+    def plan(self, goal: Goal, *, max_states: int, seed: int = 0) -> Search:
+        """What :meth:`planning` finds from the initial marking, at once."""
+        return finished(self.planning(goal, seed=seed).searching(max_states))
+
+    def seeking(self, goal: Goal, *, stubborn: bool = True, start: Sequence[int] | None = None) -> Seeking:
         """Searches for a marking of a goal, nearest first.
 
         Args:
             goal: What is looked for.
-            max_states: Limit on markings.
-            max_bytes: Limit on memory.
             stubborn: Whether to leave out interleavings that do not matter to the goal.
             start: Where to begin, reachable or not; by default in the initial marking.
 
         Returns:
-            A run to it, or that it is not reachable, or the limit that was hit.
+            The search, which is still to begin: it finds a run to the goal, or that it is not reachable.
         """
         encoded, (root,) = encode((goal,), len(self.net.places))
-        begin = self.net.initial if start is None else start
-        outcome, states, run = self.kernel.seek(begin, encoded, root, stubborn, max_states, max_bytes)
-        return Search(cast(Outcome, outcome), states, shortened(self.net, run, begin))
+        begin = self.net.initial if start is None else tuple(start)
+        return Seeking(self.net, begin, self.kernel.seek(begin, encoded, root, stubborn))
+
+    def seek(
+        self, goal: Goal, *, max_states: int, max_bytes: int = MAX_BYTES, stubborn: bool = True
+    ) -> Search:
+        """What :meth:`seeking` finds from the initial marking, at once."""
+        return finished(self.seeking(goal, stubborn=stubborn).searching(max_states, max_bytes))
 
 
 def replay(net: PetriNet, run: Sequence[int]) -> tuple[int, ...]:

@@ -100,7 +100,7 @@ def test_what_fires_on_the_way_to_one_transition_is_asked_no_more() -> None:
     for number in range(7):
         builder.transition(f"t{number}", consume=[f"p{number}"], produce=[f"p{number + 1}"])
     facts = Facts(builder.build())
-    assert facts._planned(marked(7), 0)
+    assert finished(facts._planned(marked(7), 0))
     assert facts.fires == {0, 1, 2, 3, 4, 5, 6}
     assert finished(facts.quasi_live())[0] is True
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -14,10 +15,10 @@ from mcpn.logic.behaviour import check_net
 from mcpn.nets.formats import read_net
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.search import INITIAL_STATE, REDUCTION, portfolio
-from mcpn.spaces.search.goal import DEADLOCK, AtMost, Goal, marked
+from mcpn.spaces.search.goal import DEADLOCK, And, AtMost, Goal, marked
 from mcpn.spaces.search.portfolio import ROUNDS, Portfolio, Round, SearchResult
 from mcpn.spaces.search.searches import Searches, replay
-from tests.nets.nets import nets, state_machines
+from tests.nets.nets import counter, nets, state_machines
 from tests.spaces.search.goals import all_markings, goals, is_goal
 
 PLAIN_NETS = (
@@ -145,7 +146,7 @@ def test_what_no_budget_decides_is_left_out() -> None:
     # What is asked for no longer is left.
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(portfolio, "STEPS_OF_TRANSITION", 0)
-        assert set(Portfolio(net).deciding([goal], rounds, lambda _: False)) <= {None}
+        assert set(Portfolio(net).going_on([goal], rounds[2], 0, lambda _: False)) <= {None}
         assert dict(Portfolio(net).decide([goal], rounds[2:])).keys() == {0}
 
 
@@ -176,3 +177,14 @@ def test_numbers_beyond_those_that_are_followed_are_left_to_others() -> None:
         assert found.keys() == ({0, 1} if fits else {1})
         if fits:
             confirm(net, marked(1), found[0], reachable=True)
+
+
+def test_a_goal_that_many_markings_are_before_is_found_in_a_later_round() -> None:
+    """The one run to it is longer than what walks and the first rounds look at."""
+    net = counter(18)
+    goal = And(*(marked(net.place_index[f"one{bit}"]) for bit in range(18)))
+    rounds = [replace(budget, steps=0) for budget in ROUNDS]
+    ((_, found),) = Portfolio(net).decide([goal], rounds)
+    assert found.reachable
+    assert found.run is not None
+    assert len(found.run) == 2**18 - 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import gc
 from pathlib import Path
 
 import pytest
@@ -14,8 +15,9 @@ from mcpn.nets.formats import read_net
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.search import searches
 from mcpn.spaces.search.goal import DEADLOCK, And, AtMost, marked
-from mcpn.spaces.search.searches import Searches, replay, shortened
+from mcpn.spaces.search.searches import Searches, Seeking, replay, shortened
 from mcpn.testing.nets import philosophers
+from mcpn.turns import finished
 from tests.nets.nets import counter, nets, state_machines
 from tests.spaces.search.goals import all_markings, goals, is_goal
 from tests.spaces.search.test_portfolio import PLAIN_NETS
@@ -162,6 +164,33 @@ def test_limits_are_told() -> None:
     assert Searches(net).seek(goal, max_states=10**6, max_bytes=10_000).outcome == "bytes"
     found = Searches(net).seek(goal, max_states=10**6)
     assert (found.outcome, len(found.run)) == ("reached", 4095)
+
+
+@pytest.mark.parametrize("greedy", [True, False])
+def test_a_search_rests_and_goes_on_from_where_a_limit_has_ended_it(*, greedy: bool) -> None:
+    net = counter(12)
+    goal = And(*(marked(net.place_index[f"one{bit}"]) for bit in range(12)))
+    searches = Searches(net)
+    search = searches.planning(goal) if greedy else searches.seeking(goal)
+    work = search.searching(3_000)
+    assert len([*work]) >= 2
+    ends = [finished(search.searching(limit)) for limit in (3_000, 3_500, 10**6)]
+    assert [end.outcome for end in ends] == ["states", "states", "reached"]
+    at_once = (searches.plan if greedy else searches.seek)(goal, max_states=10**6)
+    assert ends[-1] == at_once
+
+
+@pytest.mark.parametrize("greedy", [True, False])
+def test_a_search_keeps_the_net_and_the_goal_that_it_is_about(*, greedy: bool) -> None:
+    def begun() -> Seeking:
+        net = counter(8)
+        goal = And(*(marked(net.place_index[f"one{bit}"]) for bit in range(8)))
+        return Searches(net).planning(goal) if greedy else Searches(net).seeking(goal)
+
+    search = begun()
+    gc.collect()
+    counter(9)
+    assert len(finished(search.searching(10**6)).run) == 255
 
 
 @pytest.mark.parametrize("signs", [(1, 1), (1, -1), (-1, -1)])
