@@ -25,8 +25,8 @@ from mcpn.spaces.search.equation import Ceiling, StateEquation
 from mcpn.spaces.search.goal import AtMost, Fires, Formula, Goal, as_goal, asks_dead, fireable, holds, marked
 from mcpn.spaces.search.growth import Growth, growing
 from mcpn.spaces.search.home import Home, proving_home
-from mcpn.spaces.search.portfolio import FIRINGS, MOST_COUNTED
-from mcpn.spaces.search.searches import Search, Searches
+from mcpn.spaces.search.portfolio import FIRINGS, MOST_COUNTED, ROUNDS, Portfolio
+from mcpn.spaces.search.searches import Search, Searches, replay
 from mcpn.turns import Pausing
 
 STEPS = 20_000
@@ -109,32 +109,50 @@ class Facts:
             yield places, bound, (*_proved(found.traps), RANDOM_WALK)
         left = [each for number, each in enumerate(left) if number not in reached]
         grows = self._growing(unbounded)
-        for effort in range(len(PLANNED)):
+        held = {places: self._held(places, self.net.initial) for places, *_ in left}
+        portfolio = Portfolio(self.net, self.searches)
+        ways: Ways
+        for effort, budget in enumerate(ROUNDS[: len(PLANNED)]):
             waiting, left = left, []
             for each in waiting:
                 places, bound, found, goal = each
                 if self._counted(goal, found.counts, effort):
                     yield places, bound, (*_proved(found.traps), RANDOM_WALK)
-                elif (yield from self._planned(goal, effort)) or (
-                    yield from self._raised(places, bound, effort)
-                ):
-                    yield places, bound, (*_proved(found.traps), HEURISTIC)
+                    continue
+                more, ways = exceeding(places, held[places]), ()
+                for told in portfolio.going_on([more], budget, effort):
+                    yield None
+                    if told:
+                        ways = told[1].techniques
+                        if not told[1].reachable:
+                            bound = held[places]
+                        elif told[1].run is not None:
+                            held[places] = self._held(places, replay(self.net, told[1].run))
+                if held[places] < bound:
+                    ways = (HEURISTIC,)
+                    held[places] = max(held[places], (yield from self._raised(places, bound, effort)))
+                if held[places] == bound:
+                    yield places, bound, (*_proved(found.traps), *ways)
                 else:
                     left.append(each)
                 yield None
             yield from grows
 
-    def _raised(self, places: tuple[int, ...], bound: int, effort: int) -> Pausing[bool]:
-        """Whether a sum comes to a bound by searches that each begin where the last one ended, one more."""
-        marking, weights = list(self.net.initial), Counter(places)
-        while (held := sum(marking[place] * times for place, times in weights.items())) < bound:
+    def _held(self, places: Iterable[int], marking: Sequence[int]) -> int:
+        """How many tokens some places hold together."""
+        return sum(marking[place] for place in places)
+
+    def _raised(self, places: tuple[int, ...], bound: int, effort: int) -> Pausing[int]:
+        """How far a sum comes to a bound by searches that each begin where the last one ended, one more."""
+        marking = list(self.net.initial)
+        while (held := self._held(places, marking)) < bound:
             found = yield from self._planning(exceeding(places, held), effort, marking)
             if found.outcome != "reached":
-                return False
+                break
             for t in found.run:
                 self.net.fire_in_place(marking, t)
             yield
-        return True
+        return held
 
     def _growing(
         self, asked: Iterable[tuple[int, ...]]

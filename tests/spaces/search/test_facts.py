@@ -108,9 +108,25 @@ def test_what_fires_on_the_way_to_one_transition_is_asked_no_more() -> None:
 def test_a_sum_is_raised_token_by_token() -> None:
     net = kanban(40)
     facts = Facts(net)
-    assert finished(facts._raised((1,), 40, 0))
-    assert not finished(facts._raised((1,), 41, 0))
+    assert finished(facts._raised((1,), 40, 0)) == 40
+    assert finished(facts._raised((1,), 41, 0)) == 40
     assert facts.fires
+
+
+def test_a_bound_that_the_equation_does_not_know_is_searched() -> None:
+    """The door opens with two keys in one hand; reading adds nothing to the state equation."""
+    builder = NetBuilder("door")
+    for place, tokens in (("hand", 1), ("one", 0), ("other", 0), ("a", 1), ("b", 1), ("open", 0)):
+        builder.place(place, initial=tokens)
+    for key in ("one", "other"):
+        builder.transition(f"take {key}", consume=["hand"], produce=[key])
+        builder.transition(f"leave {key}", consume=[key], produce=["hand"])
+    builder.transition("first", consume=["a"], produce=["open"], read=["one"])
+    builder.transition("second", consume=["b"], produce=["open"], read=["one", "other"])
+    facts = Facts(builder.build())
+    assert finished(facts.equation.bounding({5: 1})).bound == 2
+    (told,) = (told for told in facts.sums([(5,)]) if told)
+    assert told[:2] == ((5,), 1)
 
 
 def test_proposed_firings_are_walked_longer_with_more_effort(monkeypatch: pytest.MonkeyPatch) -> None:
