@@ -298,6 +298,7 @@ class _Answers(OpenQuestions):
             yield from self.by_paths(LOCAL_STEPS[:1])
         while self.waiting:
             yield from self.asked_of(store, tried, lambda asked: True)
+            self.share = SHARE  # what one round has left open takes long there
 
     def asked_of(
         self, store: Store | None, tried: Counter[str], which: Callable[[Meaning], bool]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import islice
 
 import pytest
 
 from mcpn.errors import Source
-from mcpn.logic.answering import _Answers, answer_all
+from mcpn.logic.answering import SHARE, SHARE_OF_SMALL, _Answers, answer_all
 from mcpn.logic.asking import Questions
 from mcpn.logic.contest import Property
 from mcpn.logic.open_questions import OpenQuestions
@@ -95,3 +96,15 @@ def test_a_walk_comes_before_the_invariants(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(_Answers, "by_structure", by_structure)
     (answer,) = answer_all(Questions(philosophers(5)), (), ["ReachabilityDeadlock"])
     assert answer.value == "TRUE"
+
+
+def test_a_space_that_is_there_at_once_has_the_time_of_others_after_one_round(
+    net: PetriNet, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Evaluation on the space never ends in time here: other ways must not wait for it."""
+    monkeypatch.setattr(_Answers, "value", lambda self, name: None)
+    answers = _Answers(Questions(net), {"live": "Liveness"})
+    asking = answers.asking(answers.questions.space, at_once=True)
+    shares = [answers.share for _ in islice(asking, 4)]
+    assert shares[0] == SHARE_OF_SMALL
+    assert shares[-1] == SHARE
