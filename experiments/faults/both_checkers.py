@@ -79,6 +79,14 @@ def accepted(
         return first, _by_the_second("controller_checker", path, file.name) if second else first
 
 
+def by_the_second_of_sections(core: Mapping[str, Any], controller: Mapping[str, Any]) -> set[str]:
+    """What the program in C++ proves of a controller beside a mission of sections, as of :func:`accepted`."""
+    with written({"core": core}) as path, tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+        json.dump(controller, file)
+        file.flush()
+        return _by_the_second("section_controller_checker", path, file.name)
+
+
 def _by_python(of: str, path: str) -> set[str]:
     try:
         found = PROGRAMS[of][0].checked(path, most=MOST, seconds=SECONDS)
@@ -93,4 +101,4 @@ def _by_the_second(name: str, *paths: str) -> set[str]:
     )
     lines = run.stdout.splitlines()
     found = {line.removeprefix("proved ") for line in lines if line.startswith("proved ")}
-    return {"controller"} if name == "controller_checker" and found else found
+    return {"controller"} if name.endswith("controller_checker") and found else found

@@ -28,7 +28,7 @@ sys.path.append(str(Path(__file__).resolve().parents[2]))
 from lxml import etree
 
 from experiments.faults import campaigns
-from experiments.faults.both_checkers import accepted, proved, written
+from experiments.faults.both_checkers import accepted, by_the_second_of_sections, proved, written
 from experiments.faults.certificates import Truth, apart, change_net
 from mcpn.certificates import certcheck
 from mcpn.certificates.core_entry import core_entry
@@ -366,15 +366,17 @@ def by_sections(core: Document, controller: Document) -> str:
     return how
 
 
-def of_sections(draw: random.Random, _: bool) -> tuple[str, bool, list[str]]:
+def of_sections(draw: random.Random, second: bool) -> tuple[str, bool, list[str]]:
     """Changes a controller beside a mission of sections: as :func:`of_walked`, one type at a time."""
     mission = original(ROUND, ("hierarchical", "modular"))
     controller = draw.choice(mission.controllers)
     changed = copy.deepcopy(controller)
     how = f"controller: {change_controller(changed, draw)}"
-    if by_sections(mission.core, changed) != "proved":
-        return how, False, []
-    return _as_before(controller, changed, how)
+    first = {"controller"} if by_sections(mission.core, changed) == "proved" else set[str]()
+    other = by_the_second_of_sections(mission.core, changed) if second else first
+    if first != other:
+        return how, True, apart(first, other)
+    return _as_before(controller, changed, how) if first else (how, False, [])
 
 
 CAMPAIGNS = {"core": of_core, "controller": of_walked, "sections": of_sections}

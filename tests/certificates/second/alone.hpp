@@ -4,8 +4,8 @@
 #include "core.hpp"
 
 // What a robot has, by its names.
-struct Robot {
-  explicit Robot(const Json& of) {
+struct Equipment {
+  explicit Equipment(const Json& of) {
     for (const Json& each : of.at("activities").items) activities.emplace(each.at("name").string, &each);
     for (const Json& each : of.at("hardware").items) hardware.emplace(each.at("name").string, &each);
     for (const Json& each : of.at("software").items) software.emplace(each.at("name").string, &each);
@@ -16,7 +16,7 @@ struct Robot {
 // A section alone, with what its activities need, and all names but those of reasons replaced in the order in which they are met.
 class Alone {
  public:
-  Alone(const Json& section, const Core& of, const Robot& robot) : of_(of), whole_(robot) {
+  Alone(const Json& section, const Core& of, const Equipment& robot) : of_(of), whole_(robot) {
     core.kind = Json::object;
     core.members["format"] = word("mcpn-certificate");
     core.members["version"] = number(1);
@@ -153,6 +153,6 @@ class Alone {
   }
 
   const Core& of_;
-  const Robot& whole_;
+  const Equipment& whole_;
   Json robot_;
 };

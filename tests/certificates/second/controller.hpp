@@ -16,12 +16,23 @@ struct Position {
 };
 
 struct Order { std::string verb, activity, alternative, hardware, objective; };
-struct Moved { Position to; std::vector<std::vector<Order>> orders; };
+struct Moved { Position to; std::vector<std::vector<Order>> orders; std::string outcome = {}; };  // by which outcome a section is left
+struct NotEntered : Refuted { NotEntered() : Refuted("a section that cannot be entered") {} };
 struct Shown { Names objectives, pending, done, refused, waiting; Modes mode; };
 
 inline std::string started_with(const std::string& text, const std::string& suffix) {
   if (text.size() <= suffix.size() || text.compare(text.size() - suffix.size(), suffix.size(), suffix) != 0) return "";
   return text.substr(0, text.size() - suffix.size());
+}
+
+inline std::string event_text(const Texts& event) {
+  static const Modes tails{{"success", "_EV_OK"}, {"failure", "_EV_FAIL"}, {"timeout", "_EV_TIMEOUT"}};
+  static const Modes hardware{{"out of service", "_EV_OOS"}, {"repaired", "_EV_RD"}, {"detected", "_EV_DETECTED"}};
+  if (event[0] == "start") return "MISSION_EV_START";
+  if (const auto tail = tails.find(event[0]); tail != tails.end())
+    return "OBJ_" + event[1] + tail->second + (event.size() == 3 ? "_" + event[2] : "");
+  if (const auto tail = hardware.find(event[0]); tail != hardware.end()) return event[1] + tail->second;
+  return event[1];
 }
 
 class Controller {
@@ -49,11 +60,18 @@ class Controller {
           for (const char* key : {"gained", "lost"}) within(entry.at(key), each.at("facts"));
     }
     hardware = names_in(of.at("hardware"));
-    unrepairable_ = names_in(of.at("unrepairable"));
-    crashing_ = names_in(of.at("crashing"));
+    unrepairable = names_in(of.at("unrepairable"));
+    crashing = names_in(of.at("crashing"));
+    const Names causes = names_in(of.at("common_causes"));
+    for (const std::string& each : names_in(of.at("all_hardware"))) if (!crashing.count(each) && !causes.count(each)) held.insert(each);
     for (const auto& [name, said] : of.at("late").members) late[name] = text(said);
     for (const auto& [name, each] : of.at("activities").members)
       for (const std::string& software : texts(each.at("produces"))) makers[software].insert(name);
+    const Names hardware_of_all = names_in(of.at("all_hardware"));
+    for (const auto& [_, each] : of.at("activities").members)
+      for (const auto& [__, way] : each.at("alternatives").members)
+        for (const std::string& consumed : texts(way.at("consumes")))
+          require(hardware_of_all.count(consumed) || makers.count(consumed), "neither hardware nor produced: " + consumed);
     for (const auto& [name, each] : of.at("objectives").members)
       if (each.at("timeout").kind != Json::null) timed[name] = {};
     if (of.members.count("blocks"))
@@ -115,11 +133,18 @@ class Controller {
 
   // What an event does; nothing where it cannot be taken.
   std::unique_ptr<Moved> after(const Position& at, const std::string& event) const {
+    auto made = within_section(at, event);
+    if (made && !made->outcome.empty()) enter(*made, route(*section(at), made->outcome));
+    return made;
+  }
+  // The same, but that a section that is left leads nowhere yet.
+  std::unique_ptr<Moved> within_section(const Position& at, const std::string& event) const {
     auto made = std::make_unique<Moved>();
     Position& to = made->to = at;
     if (event == "MISSION_EV_START") {
       if (at.phase != "begin") return nullptr;
-      return enter(*made, text(of.at("initial"))) ? std::move(made) : nullptr;
+      enter(*made, text(of.at("initial")));
+      return made;
     }
     const std::string lost = started_with(event, "_EV_OOS"), back = started_with(event, "_EV_RD");
     const bool loses = hardware.count(lost) > 0, repairs = hardware.count(back) > 0;
@@ -130,9 +155,9 @@ class Controller {
       const Texts own = texts(in->at("events"));
       if (const auto found = std::find(own.begin(), own.end(), event); found != own.end()) return taken(std::move(made), *in, at, found - own.begin());
     }
-    if (loses) return was || crashing_.count(lost) ? nullptr : std::move(made);
+    if (loses) return was || crashing.count(lost) ? nullptr : std::move(made);
     if (repairs) {
-      if (!was || unrepairable_.count(back)) return nullptr;
+      if (!was || unrepairable.count(back)) return nullptr;
       const auto known = late.find(back);
       return known != late.end() && !to.held.erase(known->second) ? nullptr : std::move(made);
     }
@@ -143,8 +168,56 @@ class Controller {
     return to.held == at.held ? nullptr : std::move(made);
   }
 
+  // Where a section's outcome leads.
+  static std::string route(const Json& in, const std::string& outcome) {
+    const auto found = in.at("routes").members.find(outcome);
+    agree(found != in.at("routes").members.end(), "an outcome without a route");
+    return text(found->second);
+  }
+  void enter(Moved& made, const std::string& name) const {
+    static const Modes ends{{"succeed", "success"}, {"fail", "failure"}, {"abort", "abort"}};
+    made.to.state = 0;
+    made.to.bits.clear();
+    const auto found = sections_.find(name);
+    if (found == sections_.end()) {
+      const auto end = ends.find(name);
+      agree(end != ends.end(), "a route to nothing");
+      made.to.phase = end->second;
+      return;
+    }
+    const Json& in = *found->second;
+    if (const Rules* of_type = rules(in)) {
+      const auto by = of_type->entered(of_type->idle(status(in, made.to)));
+      if (!by) throw NotEntered();
+      agree(by->outcome.empty(), "a section that is left as it is entered");
+      made.to.phase = "in " + name;
+      ruled(made, in, *by);
+      return;
+    }
+    std::size_t number = 0, bit = 0;
+    for (const std::string& each : texts(type(in).at("hardware")))
+      number |= std::size_t(made.to.gone.count(renamed(in, "hardware", each))) << bit++;
+    const Texts facts = texts(type(in).at("facts"));
+    for (Int i = 0; i < whole(type(in).at("entering")); ++i)
+      number |= std::size_t(made.to.held.count(renamed(in, "facts", facts.at(std::size_t(i))))) << bit++;
+    require(bit < 40, "an entry of too many bits");
+    const Json& entry = item(type(in).at("entries"), Int(number));
+    if (entry.kind == Json::null) throw NotEntered();
+    made.to.phase = "in " + name;
+    made.to.state = whole(entry.at("to"));
+    item(type(in).at("states"), made.to.state);
+    changed(made.to, in, entry);
+    made.orders.push_back(orders(in, entry.at("actions")));
+  }
+
+  const Json* section_named(const std::string& name) const {
+    const auto found = sections_.find(name);
+    return found == sections_.end() ? nullptr : found->second;
+  }
+  const Json& type(const Json& section) const { return item(of.at("types"), whole(section.at("type"))); }
+
   Json of;
-  Names hardware;
+  Names hardware, unrepairable, crashing, held;  // what activities hold, which is neither a cause of failures nor a crash
   std::map<std::string, std::string> late;
   std::map<std::string, Names> makers, timed;
 
@@ -193,14 +266,14 @@ class Controller {
     made.orders.emplace_back();
     for (const Json* each : by.actions) made.orders.back().push_back(order(in, *each));
   }
-  const Json& type(const Json& section) const { return item(of.at("types"), whole(section.at("type"))); }
 
   std::unique_ptr<Moved> taken(std::unique_ptr<Moved> made, const Json& in, const Position& at, Int event) const {
     if (const Rules* of_type = rules(in)) {
       const auto by = of_type->after(at.bits, event);
       if (!by) return nullptr;
       ruled(*made, in, *by);
-      return by->outcome.empty() ? std::move(made) : leave(std::move(made), in, by->outcome);
+      made->outcome = by->outcome;
+      return made;
     }
     const Json* edge = nullptr;
     const auto& edges = edges_.at(std::size_t(whole(in.at("type"))));
@@ -224,54 +297,14 @@ class Controller {
       item(type(in).at("states"), to.state);
       return made;
     }
-    return leave(std::move(made), in, edge->at("to").string);
-  }
-  std::unique_ptr<Moved> leave(std::unique_ptr<Moved> made, const Json& in, const std::string& outcome) const {
-    const auto route = in.at("routes").members.find(outcome);
-    agree(route != in.at("routes").members.end(), "an outcome without a route");
-    return enter(*made, text(route->second)) ? std::move(made) : nullptr;
+    made->outcome = edge->at("to").string;
+    agree(!made->outcome.empty(), "an outcome without a name");
+    return made;
   }
 
   static void changed(Position& to, const Json& in, const Json& by) {
     for (const std::string& name : renamed_all(in, "facts", by.at("gained"))) to.held.insert(name);
     for (const std::string& name : renamed_all(in, "facts", by.at("lost"))) to.held.erase(name);
-  }
-
-  bool enter(Moved& made, const std::string& name) const {
-    static const Modes ends{{"succeed", "success"}, {"fail", "failure"}, {"abort", "abort"}};
-    made.to.state = 0;
-    made.to.bits.clear();
-    const auto found = sections_.find(name);
-    if (found == sections_.end()) {
-      const auto end = ends.find(name);
-      agree(end != ends.end(), "a route to nothing");
-      made.to.phase = end->second;
-      return true;
-    }
-    const Json& in = *found->second;
-    if (const Rules* of_type = rules(in)) {
-      const auto by = of_type->entered(of_type->idle(status(in, made.to)));
-      agree(bool(by), "a section that cannot be entered");
-      agree(by->outcome.empty(), "a section that is left as it is entered");
-      made.to.phase = "in " + name;
-      ruled(made, in, *by);
-      return true;
-    }
-    std::size_t number = 0, bit = 0;
-    for (const std::string& each : texts(type(in).at("hardware")))
-      number |= std::size_t(made.to.gone.count(renamed(in, "hardware", each))) << bit++;
-    const Texts facts = texts(type(in).at("facts"));
-    for (Int i = 0; i < whole(type(in).at("entering")); ++i)
-      number |= std::size_t(made.to.held.count(renamed(in, "facts", facts.at(std::size_t(i))))) << bit++;
-    require(bit < 40, "an entry of too many bits");
-    const Json& entry = item(type(in).at("entries"), Int(number));
-    agree(entry.kind != Json::null, "a section that cannot be entered");
-    made.to.phase = "in " + name;
-    made.to.state = whole(entry.at("to"));
-    item(type(in).at("states"), made.to.state);
-    changed(made.to, in, entry);
-    made.orders.push_back(orders(in, entry.at("actions")));
-    return true;
   }
 
   static std::vector<Order> orders(const Json& in, const Json& of_edge) {
@@ -298,5 +331,4 @@ class Controller {
   std::map<std::string, const Json*> sections_;
   std::vector<Rules> rules_;  // of each type, if they have no tables
   std::vector<std::map<std::pair<Int, Int>, std::vector<const Json*>>> edges_;  // of each type, by state and event
-  Names unrepairable_, crashing_;
 };

@@ -5,16 +5,6 @@
 // controller_checker CERTIFICATE CONTROLLER [--max-states N] [--seconds S]
 #include "robot.hpp"
 
-std::string event_text(const Texts& event) {
-  static const Modes tails{{"success", "_EV_OK"}, {"failure", "_EV_FAIL"}, {"timeout", "_EV_TIMEOUT"}};
-  static const Modes hardware{{"out of service", "_EV_OOS"}, {"repaired", "_EV_RD"}, {"detected", "_EV_DETECTED"}};
-  if (event[0] == "start") return "MISSION_EV_START";
-  if (const auto tail = tails.find(event[0]); tail != tails.end())
-    return "OBJ_" + event[1] + tail->second + (event.size() == 3 ? "_" + event[2] : "");
-  if (const auto tail = hardware.find(event[0]); tail != hardware.end()) return event[1] + tail->second;
-  return event[1];
-}
-
 class Walk {
  public:
   Walk(const Net& net, const States& states, const Controller& of) : net_(net), states_(states), of_(of) {

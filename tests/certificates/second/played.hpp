@@ -18,7 +18,11 @@ class Played {
     for (std::size_t set = 0; set < std::size_t(1) << may.size(); ++set) {
       State before = play.first();
       for (std::size_t i = 0; i < may.size(); ++i) before.hardware[may[i]] = set >> i & 1 ? Part{true, true, false} : Part{};
-      entries_.insert(numbered(outcome(play, play.happened(before, {"start", ""}))));
+      std::set<std::string> out;
+      for (std::size_t i = 0; i < may.size(); ++i) if (set >> i & 1) out.insert(core_.hardware[may[i]].name);
+      const std::size_t entry = numbered(outcome(play, play.happened(before, {"start", ""})));
+      entries.emplace_back(std::move(out), entry);
+      entries_.insert(entry);
     }
     start_ = numbered(outcome(play, play.happened(play.first(), {"start", ""})));
     for (std::size_t s = 0; s < open_.size(); ++s) {
@@ -44,6 +48,7 @@ class Played {
   struct Way { Texts event; std::size_t to; bool leaves, quiet; };
   std::vector<std::vector<Way>> ways;
   std::vector<std::set<Role>> said;  // what each state says
+  std::vector<std::pair<std::set<std::string>, std::size_t>> entries;  // by what is out of service
 
   bool goes_on() const { return std::none_of(ways.begin(), ways.end(), [](const auto& each) { return each.empty(); }); }
 

@@ -55,7 +55,7 @@ class Robot {
   }
   void gives_up(const std::string& activity) {
     for (const std::string& each : consumed(activity, running_.at(activity)))
-      if (!of_.makers.count(each) || of_.hardware.count(each)) left_.insert(each);
+      if (of_.held.count(each)) left_.insert(each);
   }
   void named(const Order& order) const {
     Names may;

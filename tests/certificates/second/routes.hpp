@@ -5,7 +5,7 @@
 
 const std::string kNothing;  // where nothing is left: no exit
 
-struct Moved { bool did = false; std::string exit; };
+struct Advanced { bool did = false; std::string exit; };
 
 class Routes : Doings {
  public:
@@ -25,12 +25,12 @@ class Routes : Doings {
       const auto found = node.at->sets.find(what == "success" ? "success" : "failure");
       if (found != node.at->sets.end()) set(state, found->second);
     });
-    const auto own = [&](const Graph& in, Node& node) -> Moved {
+    const auto own = [&](const Graph& in, Node& node) -> Advanced {
       const bool its = node.at->name == element && (node.at->block ? what == "timeout" && node.at->routed("timeout") && node.paused.empty() : node.run == Run::runs);
       if (!its) return {};
       return {true, leave(state, in, node, outcome)};
     };
-    move(state, false, own, [](const Pause&, Node&) { return Moved(); });
+    move(state, false, own, [](const Pause&, Node&) { return Advanced(); });
   }
   void handled(State& state, const std::string& event) const {
     std::set<std::string> happen;
@@ -38,7 +38,7 @@ class Routes : Doings {
       for (const Handler& each : among) if (each.event == event && counts(state, each)) return &each;
       return nullptr;
     };
-    const auto own = [&](const Graph& in, Node& node) -> Moved {
+    const auto own = [&](const Graph& in, Node& node) -> Advanced {
       const Handler* found = first(node.at->handlers);
       if (!found) return {};
       if (!found->once.empty()) happen.insert(found->once);
@@ -46,7 +46,7 @@ class Routes : Doings {
       pause(node, found->pauses);
       return {true, kNothing};
     };
-    const auto pausing = [&](const Pause& during, Node& node) -> Moved {
+    const auto pausing = [&](const Pause& during, Node& node) -> Advanced {
       const Handler* found = first(during.handlers);
       if (!found) return {};
       if (!found->once.empty()) happen.insert(found->once);
@@ -58,13 +58,13 @@ class Routes : Doings {
     state.happened.insert(happen.begin(), happen.end());
   }
   void left(State& state, const std::vector<std::string>& before) const {
-    const auto own = [&](const Graph& in, Node& node) -> Moved {
+    const auto own = [&](const Graph& in, Node& node) -> Advanced {
       if (node.fresh) return {};
       for (const Left& each : node.at->left)
         if (so(each.when, state.facts) && !so(each.when, before)) return {true, led(state, in, node, each.to)};
       return {};
     };
-    move(state, true, own, [](const Pause&, Node&) { return Moved(); });
+    move(state, true, own, [](const Pause&, Node&) { return Advanced(); });
   }
 
  private:
@@ -120,13 +120,13 @@ class Routes : Doings {
   // Moves what is under way as `own` does with a section and, where what runs meanwhile does not move, `pausing` with a block that pauses; outer blocks
   // go first, or else only where nothing in them has moved.
   template <class Own, class Pausing>
-  static Moved moved(State& state, const Graph& in, Node& node, bool outer, const Own& own, const Pausing& pausing) {
+  static Advanced moved(State& state, const Graph& in, Node& node, bool outer, const Own& own, const Pausing& pausing) {
     if (!node.at->block) return own(in, node);
     if (outer)
-      if (Moved found = own(in, node); found.did) return found;
+      if (Advanced found = own(in, node); found.did) return found;
     if (!node.paused.empty()) {
       const Pause& pause = node.at->pauses[node.paused.back() - 1];
-      Moved found = moved(state, *pause.graph, node.meanwhile.back(), outer, own, pausing);
+      Advanced found = moved(state, *pause.graph, node.meanwhile.back(), outer, own, pausing);
       if (!found.did) found = pausing(pause, node);
       if (!found.did) return {};
       return {true, after_pause(state, in, node, found.exit)};
@@ -135,7 +135,7 @@ class Routes : Doings {
     for (std::size_t b = 0; b < node.branches.size(); ++b) {
       Held& held = node.branches[b];
       if (held.end != End::none) continue;
-      const Moved found = moved(state, *node.at->branches[b].graph, held.node[0], outer, own, pausing);
+      const Advanced found = moved(state, *node.at->branches[b].graph, held.node[0], outer, own, pausing);
       did = did || found.did;
       if (found.exit.empty()) continue;
       exits = true;
@@ -148,7 +148,7 @@ class Routes : Doings {
   }
   template <class Own, class Pausing> void move(State& state, bool outer, const Own& own, const Pausing& pausing) const {
     if (state.root.empty()) return;
-    const Moved found = moved(state, *core_.graph, state.root[0], outer, own, pausing);
+    const Advanced found = moved(state, *core_.graph, state.root[0], outer, own, pausing);
     if (found.exit.empty()) return;
     state.end = found.exit == "succeed" ? "success" : found.exit == "fail" ? "failure" : found.exit;
     state.root.clear();

@@ -18,7 +18,11 @@ class Rules {
     require(list(type.at("status")).size() == known, "another number of what has a status");
     for (const Json& each : list(type.at("idle"))) bit(each);
     for (const Json& each : list(type.at("status"))) { bits_of(each.at("changes")); literals({whole(each.at("when"))}, 1); }
-    for (const Json& each : list(type.at("shown"))) literals({whole(each.at("when"))}, 1);
+    static const std::set<std::string> kinds{"objectives", "pending", "done", "mode", "waiting", "refused"};
+    for (const Json& each : list(type.at("shown"))) {
+      require(kinds.count(text(each.at("kind"))), "something of no kind is shown");
+      literals({whole(each.at("when"))}, 1);
+    }
     for (const Json& each : list(type.at("effects"))) {
       bits_of(each.at("changes"));
       for (const Int part : numbers(each.at("then"))) item(type.at("parts"), part);

@@ -17,7 +17,7 @@ class Sections {
     if (!core.facts.empty() || !core.events.empty()) throw Limit("the mission has facts, or events that change some");
     for (const Hardware& each : core.hardware) if (each.late) throw Limit("a loss is noticed late");
     apart(*core.graph);
-    const Robot robot(json.at("robot"));
+    const Equipment robot(json.at("robot"));
     std::map<std::string, std::size_t> types;
     for (const Json& each : json.at("graph").at("sections").items) {
       clock.look(states_);

@@ -152,7 +152,7 @@ std::map<std::string, std::string> unzipped(const std::string& path, const std::
   const std::size_t end = bytes.rfind("PK\5\6");
   require(end != std::string::npos, "no zip");
   const std::size_t entries = number(end + 10, 2);
-  require(entries >= 2 && entries <= 6, "a zip with other than two to six entries");
+  require(entries >= needed.size() && entries <= 6, "a zip with too few or too many entries");
   std::map<std::string, std::string> found;
   std::size_t at = number(end + 16, 4), unpacked = 0;
   for (std::size_t i = 0; i < entries; ++i) {
