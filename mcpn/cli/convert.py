@@ -21,8 +21,9 @@ def _list_passes(context: click.Context, _: click.Parameter, asked: bool) -> Non
         return
     from mcpn.mission.passes import PASSES
 
+    width = max(len(rewrite.__name__) for rewrite in PASSES) + 2
     for rewrite in PASSES:
-        click.echo(f"{rewrite.__name__:<12}{(rewrite.__doc__ or '').strip()}")
+        click.echo(f"{rewrite.__name__:<{width}}{(rewrite.__doc__ or '').strip()}")
     context.exit()
 
 
