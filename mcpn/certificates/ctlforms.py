@@ -164,6 +164,8 @@ class PlacedRules(PlacedType):
         self.idle = mask(row["idle"], bits)
         self.status = [(mask(s["changes"], bits), condition([s["when"]], bits)) for s in row["status"]]
         self.shown = [(s["kind"], s["name"], condition([s["when"]], bits)) for s in row["shown"]]
+        known = all(kind in SHOWN for kind, _, _ in self.shown)
+        certcheck.need(known, "a state of a type shows something of no kind", certcheck.Malformed)
         certcheck.need(
             len(self.status) == len(self.own) + len(self.once) + len(self.facts),
             "a type has not one status of each of its hardware, handlers and facts",

@@ -128,6 +128,18 @@ def test_products_of_activities_are_read_alike(
     assert both(checker, cert, controller)[:2] == expected
 
 
+def test_what_is_shown_is_of_a_known_kind_also_where_it_never_is(checker: Path, tmp_path: Path) -> None:
+    home = originals()[0]
+    cert = certificate(home.net, tmp_path)
+    controller = copy.deepcopy(next(c for c in home.controllers if c["form"] == "modular"))
+    of = controller["types"][0]
+    of["shown"].append({"kind": "objectives", "name": "none", "when": 2 * of["bits"] + 1})
+    of["bits"] += 1  # of which no effect sets the last
+    assert both(checker, cert, controller)[:2] == ("proved", "proved")
+    of["shown"][-1]["kind"] = "colours"
+    assert both(checker, cert, controller)[:2] == ("not checked", "not checked")
+
+
 @pytest.mark.parametrize("count", [40, pytest.param(2000, marks=pytest.mark.slow)])
 def test_both_say_the_same_of_changed_controllers(
     checker: Path, tmp_path: Path, fresh_seed: int, count: int
