@@ -3,7 +3,7 @@
 Usage: ``python experiments/faults/stated_mutants.py [--mutants N] [--seed S] [--second]`` changes N times the
 core mission of a few sections, or what some of its claims state. What sectioncheck, with ``--second`` also
 the program in C++, proves by sections is evaluated by mcpn's engine on all states of the mission, played one
-by one. Exit code 1 if a claim is false, or one program alone proves it.
+by one. Exit code 1 if a claim is false, or one program alone proves it. 1,000 take a minute.
 """
 
 from __future__ import annotations
