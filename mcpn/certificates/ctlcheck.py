@@ -113,8 +113,11 @@ class RobotModel:
             certcheck.need(activity not in self.running, f"{activity} is started, and runs")
             certcheck.need(activity in self.chosen, f"{activity} is started in no alternative")
             way = self.chosen[activity]
-            consumed = {*self.activities[activity]["alternatives"][way]["consumes"]}
-            needed = consumed & self.made(self.activities.keys() - {activity})
+            consumed, makers = (
+                self.activities[activity]["alternatives"][way]["consumes"],
+                self.controller.producers,
+            )
+            needed = {each for each in consumed if makers.get(each, set()) - {activity}}
             certcheck.need(
                 needed <= self.made(self.running), f"{activity} is started before what it consumes"
             )

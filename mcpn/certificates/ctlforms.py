@@ -293,7 +293,11 @@ class WalkedController:
         self.sections = {section["name"]: section for section in document["sections"]}
         self.own = {name: {e: i for i, e in enumerate(s["events"])} for name, s in self.sections.items()}
         activities = document["activities"].values()
-        there = {*document["all_hardware"], *(x for each in activities for x in each["produces"])}
+        self.producers = dict[str, set[str]]()
+        for name, activity in document["activities"].items():
+            for each in activity["produces"]:
+                self.producers.setdefault(each, set()).add(name)
+        there = {*document["all_hardware"], *self.producers}
         consumed = {
             x for each in activities for way in each["alternatives"].values() for x in way["consumes"]
         }

@@ -26,6 +26,7 @@ using Numbers = std::vector<Int>;
 using Texts = std::vector<std::string>;
 
 struct Malformed : std::runtime_error { using runtime_error::runtime_error; };
+struct Refuted : std::runtime_error { using runtime_error::runtime_error; };
 struct Limit : std::runtime_error { using runtime_error::runtime_error; };
 
 [[noreturn]] inline void malformed(const std::string& what) { throw Malformed(what); }

@@ -3,7 +3,7 @@
 // any form in pairs.
 //
 // controller_checker CERTIFICATE CONTROLLER [--max-states N] [--seconds S]
-#include "robot.hpp"
+#include "walked.hpp"
 
 class Walk {
  public:
@@ -95,37 +95,12 @@ class Walk {
   std::set<Role> roles_;
 };
 
-int checked(const std::string& certificate, const std::string& path, const Clock& clock) {
+std::string walked(const std::string& certificate, const std::string& path, const Clock& clock) {
   const Net net = net_of(parsed(unzipped(certificate).at("net.json")));
-  std::ifstream file(path, std::ios::binary);
-  require(bool(file), "a controller that cannot be read");
-  Json document = parsed(std::string((std::istreambuf_iterator<char>(file)), {}), true);
-  require(document.kind == Json::object, "a controller that is no object");
-  const Controller controller(std::move(document));
-  try {
-    const States states(net, clock);
-    const auto [pairs, events] = Walk(net, states, controller).all(clock);
-    std::cout << "proved controller: " << pairs << " pairs of states, " << events << " events\n";
-    return 0;
-  } catch (const Refuted& why) {
-    std::cout << "refuted controller: " << why.what() << '\n';
-    return 1;
-  } catch (const Unsafe&) {
-    std::cout << "not checked controller: the net is not safe\n";
-  } catch (const NotConfluent&) {
-    std::cout << "not checked controller: the net is not confluent\n";
-  } catch (const Limit& limit) {
-    std::cout << "not checked controller: " << limit.what() << '\n';
-  }
-  return 2;
+  const Controller controller = controller_of(path);
+  const States states(net, clock);
+  const auto [pairs, events] = Walk(net, states, controller).all(clock);
+  return std::to_string(pairs) + " pairs of states, " + std::to_string(events) + " events";
 }
 
-int main(int count, char** words) {
-  if (count < 3) {
-    std::cerr << "usage: controller_checker CERTIFICATE CONTROLLER [--max-states N] [--seconds S]\n";
-    return 2;
-  }
-  const std::string certificate = words[1];
-  return answered(count - 1, words + 1, "--max-states",
-                  [&](const std::string& path, const Clock& clock) { return checked(certificate, path, clock); });
-}
+int main(int count, char** words) { return verdict_on_controller(count, words, walked); }

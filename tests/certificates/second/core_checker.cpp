@@ -4,8 +4,6 @@
 // Why a net is refuted or not checked is told in one sentence.
 #include "play.hpp"
 
-struct Refuted : std::runtime_error { using runtime_error::runtime_error; };
-
 std::set<Role> look_of(const Net& net, const Marking& marking) {
   static const std::set<std::string> ends{"begin", "success", "failure", "abort"};
   static const std::set<std::string> known{"objective", "pending", "done", "active", "wait", "refused", "oos", "known", "fact", "happened"};

@@ -5,6 +5,7 @@
 // refuted or not checked. It ends with 0 if all are proved, 1 if some is refuted, else 2. What is malformed is told in one sentence, with
 // exit code 2.
 #include "diagram_cuts.hpp"
+#include "each_claim.hpp"
 #include "runs.hpp"
 
 class Claims : Closures {
@@ -108,7 +109,6 @@ int checked(const std::string& path, const Clock& clock) {
     text(each.at("sentence"));
   }
   std::string why;
-  bool refuted = false, open = entry.at("claims").items.empty();
   std::unique_ptr<Claims> claims;
   Families families(clock.most, clock);
   Diagrams given;
@@ -121,21 +121,9 @@ int checked(const std::string& path, const Clock& clock) {
     why = limit.what();
   }
   if (claims) for (const Json& each : entry.at("claims").items) shape(each, given);
-  for (const Json& each : entry.at("claims").items) {
-    std::string verdict = "not checked";
-    if (claims) {
-      try {
-        verdict = claims->proved(each.at("kind").string, each.at("holds").truth, each.at("statement"), each.at("evidence")) ? "proved" : "refuted";
-      } catch (const Limit& limit) {
-        why = limit.what();
-      }
-    }
-    refuted = refuted || verdict == "refuted";
-    open = open || verdict == "not checked";
-    std::cout << verdict << ' ' << each.at("key").string << '\n';
-  }
-  if (!why.empty()) std::cerr << "not checked: " << why << '\n';
-  return refuted ? 1 : open ? 2 : 0;
+  return each_claim(entry.at("claims").items, why, [&](const Json& each) {
+    return claims->proved(each.at("kind").string, each.at("holds").truth, each.at("statement"), each.at("evidence"));
+  });
 }
 
 int main(int count, char** words) { return answered(count, words, "--max-nodes", checked); }

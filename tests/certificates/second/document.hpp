@@ -6,8 +6,6 @@
 using Names = std::set<std::string>;
 using Modes = std::map<std::string, std::string>;
 
-struct Refuted : std::runtime_error { using runtime_error::runtime_error; };
-
 inline void agree(bool holds, const std::string& what) { if (!holds) throw Refuted(what); }
 
 inline Names names_in(const Json& of) {

@@ -4,6 +4,7 @@
 // VERDICT is proved, refuted or not checked. It ends with 0 if all are proved, 1 if some is refuted, else 2. What is malformed is told in
 // one sentence, with exit code 2.
 #include "chances.hpp"
+#include "each_claim.hpp"
 #include "further_shape.hpp"
 #include "moments.hpp"
 
@@ -48,24 +49,7 @@ int checked(const std::string& path, const Clock& clock) {
       require(kinds.count(each.at("kind").string) > 0, "a kind that is not known: " + each.at("kind").string);
       if (each.at("holds").truth) shape(each);
     }
-  bool refuted = false, open = further.at("claims").items.empty();
-  for (const Json& each : further.at("claims").items) {
-    std::string verdict = "not checked";
-    if (states) {
-      try {
-        verdict = each.at("holds").truth && proved(net, *states, clock, each) ? "proved" : "refuted";
-      } catch (const Refuted&) {
-        verdict = "refuted";
-      } catch (const Limit& limit) {
-        why = limit.what();
-      }
-    }
-    refuted = refuted || verdict == "refuted";
-    open = open || verdict == "not checked";
-    std::cout << verdict << ' ' << each.at("key").string << '\n';
-  }
-  if (!why.empty()) std::cerr << "not checked: " << why << '\n';
-  return refuted ? 1 : open ? 2 : 0;
+  return each_claim(further.at("claims").items, why, [&](const Json& each) { return each.at("holds").truth && proved(net, *states, clock, each); });
 }
 
 int main(int count, char** words) { return answered(count, words, "--max-states", checked); }

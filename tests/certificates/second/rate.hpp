@@ -3,9 +3,7 @@
 
 #include "big.hpp"
 
-struct Refuted {};  // by a value of the right type that says nothing
-
-inline void need(bool holds) { if (!holds) throw Refuted(); }
+inline void need(bool holds) { if (!holds) throw Refuted("a value of the right type that says nothing"); }
 
 const Big kOne("1" + std::string(40, '0'));  // numbers are counted in parts of 10^-40
 
