@@ -15,7 +15,7 @@ PACKAGE = Path(__file__).resolve().parents[1] / "mcpn"
 PAGE = Path(__file__).with_name("architecture.md")
 BASE = "base"
 WAISTS = {
-    "mission/graph.py": "the objectives graph",
+    "mission/core/objectives_graph.py": "the objectives graph",
     "spaces/algebra.py": "a space",
     "controller/document.py": "the controller's document",
 }

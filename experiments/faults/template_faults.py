@@ -21,7 +21,7 @@ from typing import Any, ClassVar
 from mcpn.drawing.templates import Canvas, PaperTemplates, TemplateSet
 from mcpn.drawing.templates.compact import CompactTemplates
 from mcpn.events import Event, What
-from mcpn.mission.flatten import ObjectivesGraph
+from mcpn.mission.core.objectives_graph import ObjectivesGraph
 from mcpn.mission.robot import Activity, Hardware, Software
 from mcpn.testing.kit.contract import STATES
 from mcpn.testing.kit.running import broken

@@ -16,10 +16,17 @@ from typing import Generic, NamedTuple, TypeAlias
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
 from mcpn.events import What
-from mcpn.mission.expansion.routes import GO_ON
-from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.graph import TIMED_OUT, failed_for, names_in
-from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.core.objectives_graph import (
+    Branch,
+    ElementarySection,
+    ObjectivesGraph,
+    ParallelSection,
+    Section,
+    failed_for,
+    names_in,
+)
+from mcpn.mission.core.routes import GO_ON
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, TIMED_OUT
 from mcpn.mission.static.handover import entries
 from mcpn.spaces.algebra import S, Space
 

@@ -15,8 +15,7 @@ from mcpn.certificates.cut_sets import Losing, can_fail, survived
 from mcpn.certificates.entries import Claimed, Trusted, entry
 from mcpn.errors import LimitError
 from mcpn.events import ENDING
-from mcpn.mission.flatten import ElementarySection, Section
-from mcpn.mission.graph import ParallelSection
+from mcpn.mission.core.objectives_graph import ElementarySection, ParallelSection, Section
 from mcpn.mission.static.handover import entries
 from mcpn.spaces.arrays import ArraySet, ArraySpace
 from mcpn.spaces.markings.graph import Mask

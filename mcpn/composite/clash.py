@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import ConfluenceError
-from mcpn.mission.flatten import ParallelSection
+from mcpn.mission.core.objectives_graph import ParallelSection
 from mcpn.nets.petri import Marking, Transition
 from mcpn.nets.provenance import Provenance
 

@@ -18,7 +18,7 @@ from mcpn.composite.section_type import ALL, SectionType
 from mcpn.composite.sections import Stage
 from mcpn.drawing.local_nets import local_net
 from mcpn.drawing.sections import junction_part
-from mcpn.mission.flatten import Section
+from mcpn.mission.core.objectives_graph import Section
 from mcpn.nets.petri import Marking
 from mcpn.spaces.diagrams.encoding import distinct
 from mcpn.spaces.diagrams.internal_evolution import behind, leading, passing

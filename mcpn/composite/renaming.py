@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from mcpn.drawing.sections import LocalPart
 from mcpn.drawing.status import Element
-from mcpn.mission.flatten import ElementarySection, Section
-from mcpn.mission.graph import names_in
+from mcpn.mission.core.objectives_graph import ElementarySection, Section, names_in
 
 
 class Renaming:

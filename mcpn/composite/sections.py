@@ -22,8 +22,8 @@ from mcpn.drawing.templates import TemplateSet
 from mcpn.drawing.templates.copied import KINDS, CopiedNet, elements_of_no_copy
 from mcpn.drawing.templates.stencil import Copy, Kind, Stencil
 from mcpn.events import START, Event, What
-from mcpn.mission.expansion.routes import routes_of
-from mcpn.mission.flatten import ObjectivesGraph, Section
+from mcpn.mission.core.objectives_graph import ObjectivesGraph, Section
+from mcpn.mission.core.routes import routes_of
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.nets.petri import NetBuilder, Place, Transition
 from mcpn.nets.provenance import Provenance

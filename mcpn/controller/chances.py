@@ -10,8 +10,8 @@ from collections.abc import Iterable
 
 from mcpn.drawing.compose import MissionNet
 from mcpn.events import Event, What
-from mcpn.mission.expansion.routes import Interrupted
-from mcpn.mission.flatten import ElementarySection, ParallelSection, Section
+from mcpn.mission.core.objectives_graph import ElementarySection, ParallelSection, Section
+from mcpn.mission.core.routes import Interrupted
 from mcpn.mission.model import Mission
 from mcpn.robot.bench.chances import AskingOrder, Chances, ObjectiveChances
 

@@ -95,9 +95,9 @@ from mcpn.controller.moves import Move, Moves
 from mcpn.drawing.compose import MissionNet
 from mcpn.events import Event, What
 from mcpn.mission.conditions import flags
-from mcpn.mission.expansion.detection import noticed
+from mcpn.mission.core.objectives_graph import ElementarySection, ObjectivesGraph
+from mcpn.mission.detection import noticed
 from mcpn.mission.fact_usage import FactUsage
-from mcpn.mission.graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.robot import Parameter
 from mcpn.robot.runtime.documents import FORMAT, VERSION
 from mcpn.robot.runtime.file_schema import digest_of

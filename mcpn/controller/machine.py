@@ -25,8 +25,7 @@ from mcpn.controller.run_to_completion import Runner, Stopped
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.sections import section_part
 from mcpn.events import Event
-from mcpn.mission.flatten import ObjectivesGraph, Section
-from mcpn.mission.graph import names_in
+from mcpn.mission.core.objectives_graph import ObjectivesGraph, Section, names_in
 from mcpn.mission.static.resource_use import Usage
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.markings.graph import Ints

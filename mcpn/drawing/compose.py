@@ -16,7 +16,8 @@ from mcpn.drawing.templates.interface import Meeting
 from mcpn.drawing.templates.named import looks_at_no_names
 from mcpn.errors import Problem
 from mcpn.events import START, What
-from mcpn.mission.flatten import ObjectivesGraph, flatten
+from mcpn.mission.core.flattening import flatten
+from mcpn.mission.core.objectives_graph import ObjectivesGraph
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Software
 from mcpn.mission.static.resource_use import Usage

@@ -16,11 +16,17 @@ from typing import Any, NamedTuple
 
 from mcpn.drawing.status import Element, Flag, Status, kind_by_kind, statuses, told_as_facts
 from mcpn.errors import LimitError, Problem
-from mcpn.mission.expansion.routes import FactCase, Interrupted, exits_by_facts, exits_on
+from mcpn.mission.core.objectives_graph import (
+    ElementarySection,
+    ObjectivesGraph,
+    ParallelSection,
+    Section,
+    failed_for,
+)
+from mcpn.mission.core.routes import Interrupted, exits_by_facts, exits_on
+from mcpn.mission.fact_cases import FactCase
 from mcpn.mission.fact_usage import touched_by
-from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.graph import TIMED_OUT, failed_for
-from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, TIMED_OUT
 from mcpn.mission.robot import Activity, Crash, Fact, Hardware, Software
 from mcpn.mission.static.resource_use import Usage
 

@@ -20,7 +20,7 @@ def findings(file: Path) -> dict[str, Any]:
     from mcpn.answers.claims import claims_of_causes
     from mcpn.answers.claims.claim import sentences
     from mcpn.answers.claims.found import of_verdict
-    from mcpn.mission.expansion.copies import grouped
+    from mcpn.mission.core.copies import grouped
     from mcpn.report.failures.sentences import conditions, losses
     from mcpn.report.words import modes_in_words
     from mcpn.study import open_study

@@ -7,15 +7,15 @@ from collections.abc import Collection, Iterator, Mapping
 
 from mcpn.did_you_mean import Hints
 from mcpn.errors import Problem, Source
-from mcpn.mission.expansion.helpers import problems as recoveries
-from mcpn.mission.expansion.left_by_facts import becoming_problems, of_missions
-from mcpn.mission.graph import TIMED_OUT, UNNAMED
 from mcpn.mission.language.datatypes import NAME
 from mcpn.mission.language.references import duplicates
+from mcpn.mission.left_by_facts import becoming_problems, of_missions
 from mcpn.mission.model import (
     ABORT,
     FAIL,
     SUCCEED,
+    TIMED_OUT,
+    UNNAMED,
     Block,
     Each,
     Handler,
@@ -31,6 +31,7 @@ from mcpn.mission.model import (
 from mcpn.mission.passes.guards import guard_problems, of_branches
 from mcpn.mission.passes.name_clashes import clashes
 from mcpn.mission.passes.pauses import no_siblings, pause_problems
+from mcpn.mission.passes.siblings import problems as recoveries
 from mcpn.mission.reason_errors import ReasonChecks
 from mcpn.mission.robot import Activity, Element
 

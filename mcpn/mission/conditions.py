@@ -10,11 +10,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
-from mcpn.mission.expansion.routes import Condition
 from mcpn.mission.model import Mission, walk
 from mcpn.mission.robot import BOOLEAN_VALUES, Described, Fact
+
+Condition: TypeAlias = tuple[tuple[str, str], ...]
+"""Facts, each with the value that it must have: all of them at once."""
 
 _WORD = re.compile(r"(!?)(done\([^()\s]*\)|[^=!()\s]+)(?:=(\S*))?")
 _DONE = re.compile(r"done\(\s*([A-Za-z_][A-Za-z0-9_.]*)\s*\)")

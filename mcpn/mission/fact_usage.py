@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 
-from mcpn.mission.conditions import all_flags, facts_of, flags, resolved
-from mcpn.mission.expansion.routes import Condition
-from mcpn.mission.graph import ElementarySection, ObjectivesGraph, Section
+from mcpn.mission.conditions import Condition, all_flags, facts_of, flags, resolved
+from mcpn.mission.core.objectives_graph import ElementarySection, ObjectivesGraph, Section
 from mcpn.mission.model import Mission, walk
 from mcpn.mission.robot import Fact
 

@@ -1,8 +1,8 @@
 """What the designer writes: the mission as frozen dataclasses that remember their lines.
 
 The model keeps the mission as it was written (uses of protocols are not expanded, imports are merged);
-:mod:`mcpn.mission.flatten` turns it into the objectives graph. Two missions are equal when they say the
-same, wherever they were written: sources take no part in comparisons.
+:mod:`mcpn.mission.core.flattening` turns it into the objectives graph. Two missions are equal when they say
+the same, wherever they were written: sources take no part in comparisons.
 
 The model is also the declaration of the language of mission files (:mod:`mcpn.mission.language`): the
 reader, the writer, the schema, the tables of the language page and the renaming follow from it. ``TAG`` is
@@ -71,8 +71,17 @@ FAIL = "fail"
 """The route to the failure exit of the enclosing block."""
 ABORT = "abort"
 """The route to the abort exit of the enclosing block: it is given up, in a safe way."""
+TIMED_OUT = "timed out"
+"""In core missions the exit of what is left as its time is over, and that outcome: no block is called so."""
+UNNAMED = "fail without reason"
+"""In core missions the exit of what fails without a reason, whatever it failed for itself: no block is so."""
 WHOLE = ".0"
 """Ends the name of the one branch of a block that is stopped as a whole; no name begins with a digit."""
+
+
+def failing_for(reason: str) -> str:
+    """In core missions the exit by which blocks are left that fail for a reason; no block is called so."""
+    return f"{FAIL} {reason}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

@@ -7,8 +7,8 @@ from math import fsum
 
 from mcpn.did_you_mean import did_you_mean
 from mcpn.errors import Problem
-from mcpn.mission.expansion.left_by_facts import left_by_facts
 from mcpn.mission.language.datatypes import REASON, REASONS, SHARES
+from mcpn.mission.left_by_facts import left_by_facts
 from mcpn.mission.model import Block, Each, Objective, Parallel, Protocol, Recursive, Use
 from mcpn.mission.reasons import is_whole, reason, reasons_of
 from mcpn.mission.robot import Activity

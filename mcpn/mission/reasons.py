@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from mcpn.mission.expansion.left_by_facts import left_by_facts
+from mcpn.mission.left_by_facts import left_by_facts
 from mcpn.mission.model import Block, Objective, Parallel
 from mcpn.mission.robot import Activity
 

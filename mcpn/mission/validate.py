@@ -11,7 +11,7 @@ from mcpn.did_you_mean import Hints
 from mcpn.errors import InputError, Problem
 from mcpn.mission.block_errors import BlockErrors, undeclared
 from mcpn.mission.crash_errors import crash_errors, standing_errors
-from mcpn.mission.expansion.detection import detected_twice, detection_errors
+from mcpn.mission.detection import detected_twice, detection_errors
 from mcpn.mission.fact_errors import fact_errors
 from mcpn.mission.field_types import wrong_types
 from mcpn.mission.hardware_errors import failure_errors

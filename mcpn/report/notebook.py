@@ -13,7 +13,7 @@ from mcpn.controller.hierarchy import TableController
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import McpnError
 from mcpn.logic.session import Answer
-from mcpn.mission.graph import ObjectivesGraph
+from mcpn.mission.core.objectives_graph import ObjectivesGraph
 from mcpn.mission.model import Mission
 from mcpn.nets.petri import PetriNet
 from mcpn.report.assets import environment

@@ -7,8 +7,7 @@ from typing import Literal, TypeVar
 
 from hypothesis import strategies as st
 
-from mcpn.mission.expansion.helpers import helping, problems
-from mcpn.mission.expansion.left_by_facts import becoming_problems, left_by_facts
+from mcpn.mission.left_by_facts import becoming_problems, left_by_facts
 from mcpn.mission.model import (
     ABORT,
     FAIL,
@@ -28,6 +27,7 @@ from mcpn.mission.model import (
 )
 from mcpn.mission.passes.guards import guard_problems
 from mcpn.mission.passes.pauses import pause_problems
+from mcpn.mission.passes.siblings import helping, problems
 from mcpn.mission.reason_errors import ReasonChecks
 from mcpn.mission.reasons import is_whole, reason
 from mcpn.mission.robot import DeclaredEvent, Robot

@@ -25,7 +25,7 @@ from mcpn.errors import LimitError, SemanticsError
 from mcpn.events import Event, What
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.syntax import parse
-from mcpn.mission.flatten import ElementarySection
+from mcpn.mission.core.objectives_graph import ElementarySection
 from mcpn.mission.model import Handler, Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.mission.xml import read_mission

@@ -16,7 +16,7 @@ from mcpn.answers.causes.fmeca import Others, Row, fmeca
 from mcpn.answers.verdicts.modes import Situation
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError
-from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection
+from mcpn.mission.core.objectives_graph import Branch, ElementarySection, ObjectivesGraph, ParallelSection
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.nets.petri import Marking

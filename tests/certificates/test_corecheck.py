@@ -25,8 +25,8 @@ from mcpn.certificates.net_entry import net_entry
 from mcpn.certificates.writing import certificate_of
 from mcpn.drawing.templates.control import _Control
 from mcpn.errors import ConfluenceError, InputError, LimitError
-from mcpn.mission.expansion.routes import Interrupted
-from mcpn.mission.graph import ParallelSection
+from mcpn.mission.core.objectives_graph import ParallelSection
+from mcpn.mission.core.routes import Interrupted
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.spaces.stable.alternatives import direct

@@ -26,7 +26,7 @@ from mcpn.drawing.sections import junction_part
 from mcpn.drawing.templates import Canvas, PaperTemplates
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, PremiseError
 from mcpn.events import Event
-from mcpn.mission.flatten import Section
+from mcpn.mission.core.objectives_graph import Section
 from mcpn.mission.model import Mission, Objective, Recursive
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.spaces.markings.explicit import explore

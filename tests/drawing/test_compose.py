@@ -17,7 +17,7 @@ from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.templates import Canvas, PaperTemplates
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
 from mcpn.events import Event
-from mcpn.mission.flatten import flatten
+from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import Each, Mission, Objective, Parallel, Recursive, walk
 from mcpn.mission.robot import Activity, Hardware, Robot
 from mcpn.mission.static.resource_use import Usage

@@ -14,7 +14,7 @@ from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.events import Event, What
 from mcpn.logic.asking import Questions
-from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.core.objectives_graph import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import FAIL, SUCCEED, Handler, Mission, Objective, Parallel
 from mcpn.mission.robot import DeclaredEvent
 from mcpn.nets.petri import Marking

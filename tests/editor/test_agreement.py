@@ -15,7 +15,7 @@ from mcpn.answers.requirements import asked_of
 from mcpn.answers.vocabulary import NamedWord, vocabulary
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError, Problem
-from mcpn.mission.flatten import flatten
+from mcpn.mission.core.flattening import flatten
 from mcpn.mission.language import references
 from mcpn.mission.model import Mission
 from mcpn.mission.static.resource_use import Usage

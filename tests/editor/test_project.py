@@ -9,8 +9,8 @@ import pytest
 from mcpn.editor.project import Memory, Project
 from mcpn.editor.scan import scan
 from mcpn.errors import InputError
-from mcpn.mission.flatten import flatten
-from mcpn.mission.graph import ObjectivesGraph
+from mcpn.mission.core.flattening import flatten
+from mcpn.mission.core.objectives_graph import ObjectivesGraph
 from mcpn.mission.model import Mission
 from mcpn.mission.static.resource_use import Usage
 from mcpn.mission.static.warnings import static_warnings

@@ -6,7 +6,7 @@ import pytest
 
 from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import compose
-from mcpn.mission.flatten import flatten
+from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import Block, Each, Handler, Mission, Objective, Parallel, Recursive
 from mcpn.testing.judge.interpreter import DECLARED, FAILURE, START, SUCCESS, Happening, Interpreter
 from tests.judge.lockstep import Judge

@@ -17,7 +17,7 @@ from mcpn.answers.requirements import answer_requirements, asked_of
 from mcpn.answers.spaces import spaces_of
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.mission.flatten import flatten
+from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import Mission
 from mcpn.mission.requirement import Requirement
 from mcpn.spaces.engine_names import Engine

@@ -12,7 +12,7 @@ from mcpn.answers.spaces import spaces_of
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
 from mcpn.logic.asking import Questions
-from mcpn.mission.flatten import flatten
+from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import EntryGuard, Handler, Mission, Objective, Recursive, walk
 from mcpn.mission.robot import DeclaredEvent, Fact, FactChange
 from mcpn.mission.static.warnings import find_warnings

@@ -9,7 +9,7 @@ import pytest
 
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
-from mcpn.mission.flatten import flatten
+from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import (
     Block,
     EntryGuard,

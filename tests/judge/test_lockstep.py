@@ -10,7 +10,8 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 from mcpn.drawing.compose import compose
-from mcpn.mission.flatten import ParallelSection, flatten
+from mcpn.mission.core.flattening import flatten
+from mcpn.mission.core.objectives_graph import ParallelSection
 from mcpn.mission.model import Handler, Mission, Objective, Parallel, Recursive, walk
 from mcpn.mission.passes import core
 from mcpn.testing import elements as drawn

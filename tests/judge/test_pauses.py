@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
-from mcpn.mission.flatten import flatten
+from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import Block, Each, Handler, Mission, Objective, Parallel, Protocol, Recursive, Use
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.writer import written

@@ -10,7 +10,7 @@ import pytest
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
 from mcpn.events import Event, What
-from mcpn.mission.flatten import flatten
+from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import Each, FactRoute, Mission, Objective, Parallel, Protocol, Recursive, Use
 from mcpn.mission.xml import read_mission
 from mcpn.testing.judge.interpreter import FAILURE, SUCCESS, Happening, Interpreter

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mcpn.mission.flatten import flatten
+from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import Each, Handler, Mission, Objective, Recursive
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.testing.judge.interpreter import DECLARED, FAILURE, SUCCESS, TIMEOUT, Happening, Interpreter

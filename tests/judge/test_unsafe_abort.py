@@ -9,7 +9,7 @@ from mcpn.answers.causes.find import find_causes
 from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError
-from mcpn.mission.flatten import flatten
+from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import Mission, Objective, Recursive
 from mcpn.spaces.engine_names import Engine
 from mcpn.testing import elements as drawn

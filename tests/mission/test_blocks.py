@@ -11,7 +11,7 @@ from mcpn.answers.names import MissionNames
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError, LimitError
 from mcpn.logic.syntax import parse
-from mcpn.mission.flatten import flatten
+from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import Mission
 from mcpn.spaces.search.goal import FALSE, marked
 from mcpn.study import open_study

@@ -18,7 +18,7 @@ import mcpn
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
 from mcpn.mission import validate
-from mcpn.mission.flatten import flatten
+from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import Block, Each, Handler, Mission, Objective, Parallel, Protocol, Recursive, Use
 from mcpn.mission.robot import Activity, Alternative, Hardware, Parameter, Robot, Software
 from mcpn.mission.static.warnings import find_warnings

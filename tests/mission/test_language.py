@@ -13,7 +13,8 @@ from hypothesis import Phase, find, given, settings
 from hypothesis import strategies as st
 
 from mcpn.errors import InputError, LimitError
-from mcpn.mission.flatten import ParallelSection, flatten
+from mcpn.mission.core.flattening import flatten
+from mcpn.mission.core.objectives_graph import ParallelSection
 from mcpn.mission.model import (
     FAIL,
     SUCCEED,

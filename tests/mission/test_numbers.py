@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 
 from mcpn.errors import InputError
-from mcpn.mission.flatten import flatten
+from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.mission.validate import find_errors

@@ -15,8 +15,8 @@ from lxml import etree
 from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
 from mcpn.drawing.compose import compose
-from mcpn.mission.flatten import flatten
-from mcpn.mission.graph import ElementarySection
+from mcpn.mission.core.flattening import flatten
+from mcpn.mission.core.objectives_graph import ElementarySection
 from mcpn.mission.model import Block, Each, Mission, Objective, Parallel, Protocol, Recursive, Use
 from mcpn.mission.robot import Activity, Alternative, Parameter, Robot
 from mcpn.mission.validate import find_errors

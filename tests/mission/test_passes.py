@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 
 from mcpn.errors import InputError
-from mcpn.mission.expansion.copies import Copies
-from mcpn.mission.expansion.helpers import problems
-from mcpn.mission.flatten import flatten
+from mcpn.mission.core.copies import Copies
+from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import Each, FactRoute, Handler, Mission, Objective, Parallel, Recursive, Use, walk
 from mcpn.mission.passes import PASSES, core
+from mcpn.mission.passes.siblings import problems
 from mcpn.mission.robot import Crash, DeclaredEvent, Fact, Hardware
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import read_mission

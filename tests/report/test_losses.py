@@ -9,7 +9,7 @@ from hypothesis import event, given
 from mcpn.answers.causes.cutsets import CutSet, Moment
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError
-from mcpn.mission.flatten import flatten
+from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import (
     ABORT,
     Mission,

@@ -10,7 +10,7 @@ from hypothesis import given
 from lxml import etree
 
 import mcpn
-from mcpn.mission.flatten import flatten
+from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import Mission, Objective, Parallel, Recursive, walk
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.mission.xml import read_mission

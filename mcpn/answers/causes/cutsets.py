@@ -20,7 +20,7 @@ from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.permanent_loss import mortal
 from mcpn.events import HELPING, Event, What
-from mcpn.mission.flatten import Section
+from mcpn.mission.core.objectives_graph import Section
 from mcpn.spaces.algebra import Alike, S, Space
 from mcpn.spaces.memoized import memoized
 from mcpn.spaces.projections import ImageStore

@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeAlias
 
 from mcpn.answers.kinds.of_cells import OF_CELLS
 from mcpn.answers.verdicts.modes import Situation
-from mcpn.mission.flatten import Branch, ElementarySection, ParallelSection
+from mcpn.mission.core.objectives_graph import Branch, ElementarySection, ParallelSection
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Crash
 from mcpn.mission.static.resource_use import Usage

@@ -18,7 +18,7 @@ from mcpn.answers.verdicts.unreachable import selected_and_entered
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError
 from mcpn.events import Event
-from mcpn.mission.flatten import Section
+from mcpn.mission.core.objectives_graph import Section
 from mcpn.notebook import Told
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.engine_names import Asking

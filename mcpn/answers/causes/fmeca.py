@@ -32,8 +32,8 @@ from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.verdicts.modes import Situation, said_by
 from mcpn.drawing.templates import Role
 from mcpn.events import What
-from mcpn.mission.expansion.routes import GO_ON
-from mcpn.mission.flatten import Branch, ElementarySection, ParallelSection
+from mcpn.mission.core.objectives_graph import Branch, ElementarySection, ParallelSection
+from mcpn.mission.core.routes import GO_ON
 from mcpn.spaces.algebra import Alike, S, Space
 from mcpn.spaces.projections import ImageStore
 from mcpn.steps import Doing, step

@@ -25,7 +25,7 @@ from mcpn.answers.verdicts.modes import Mode, Situation, said_by, situation
 from mcpn.answers.verdicts.unsafe_abort import Aborts, aborts
 from mcpn.drawing.compose import MissionNet
 from mcpn.events import ENDING, HELPING, Event, What
-from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, Section
+from mcpn.mission.core.objectives_graph import ElementarySection, ObjectivesGraph, Section
 from mcpn.mission.static.handover import entries
 from mcpn.nets.petri import Marking
 from mcpn.spaces.algebra import Alike, Edge, Piece, S, Space, Without, partition

@@ -29,7 +29,7 @@ from mcpn.answers.causes.linear_systems import Floats
 from mcpn.answers.causes.passages import Beside, LoopSection, SectionLoop, WayThrough
 from mcpn.drawing.status import Element
 from mcpn.errors import LimitError
-from mcpn.mission.flatten import ElementarySection
+from mcpn.mission.core.objectives_graph import ElementarySection
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.spaces.components import strongly_connected
 from mcpn.spaces.markings.graph import Ints, Mask

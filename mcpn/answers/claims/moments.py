@@ -11,7 +11,7 @@ from mcpn.answers.claims.late import open_run
 from mcpn.answers.claims.parts import MOST_NAMED, FormulaParts, some
 from mcpn.answers.kinds.by_name import KINDS
 from mcpn.events import Event, What
-from mcpn.mission.graph import ElementarySection, ParallelSection, Section
+from mcpn.mission.core.objectives_graph import ElementarySection, ParallelSection, Section
 from mcpn.mission.static.handover import entries
 from mcpn.spaces.algebra import S
 

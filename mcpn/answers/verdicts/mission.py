@@ -21,7 +21,7 @@ from mcpn.answers.verdicts.unsafe_abort import abort_by_failure, without_safe_en
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, Problem, SemanticsError, UnsafeError
 from mcpn.events import What
-from mcpn.mission.flatten import ObjectivesGraph
+from mcpn.mission.core.objectives_graph import ObjectivesGraph
 from mcpn.mission.model import SUCCEED
 from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.notebook import Told

@@ -17,8 +17,8 @@ from typing import Generic, NamedTuple
 from mcpn.answers.verdicts.unreachable import objectives_run
 from mcpn.drawing.compose import MissionNet
 from mcpn.events import Event, What
-from mcpn.mission.expansion.copies import Written
-from mcpn.mission.graph import ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.core.copies import Written
+from mcpn.mission.core.objectives_graph import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, WHOLE, Mission, walk
 from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.nets.petri import Marking

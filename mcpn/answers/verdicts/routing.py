@@ -15,16 +15,15 @@ from typing import NamedTuple
 
 from mcpn.errors import Problem
 from mcpn.events import Event, What
-from mcpn.mission.expansion.copies import Written, grouped
-from mcpn.mission.graph import (
-    TIMED_OUT,
+from mcpn.mission.core.copies import Written, grouped
+from mcpn.mission.core.objectives_graph import (
     ElementarySection,
     ObjectivesGraph,
     ParallelSection,
     Section,
     failed_for,
 )
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, TIMED_OUT, Mission
 from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.sentences import enumeration, shortened
 

@@ -16,7 +16,7 @@ from mcpn.answers.verdicts.routing import Routing
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import Problem
 from mcpn.events import Event, What
-from mcpn.mission.expansion.copies import Copies, Written
+from mcpn.mission.core.copies import Copies, Written
 from mcpn.mission.model import ABORT, Block, Holder, Mission, Use, walk
 from mcpn.mission.static.resource_use import Usage
 from mcpn.mission.static.warnings import (

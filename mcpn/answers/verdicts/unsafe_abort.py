@@ -14,7 +14,7 @@ from typing import Generic, NamedTuple
 from mcpn.answers.verdicts.nominal import nominal_transitions
 from mcpn.drawing.compose import MissionNet
 from mcpn.events import Event, What
-from mcpn.mission.graph import ElementarySection
+from mcpn.mission.core.objectives_graph import ElementarySection
 from mcpn.spaces.algebra import S, Space
 from mcpn.spaces.run import Run, transitions_of
 

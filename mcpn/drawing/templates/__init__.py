@@ -24,7 +24,7 @@ from mcpn.drawing.templates.resources import (
     draw_shared_hardware,
     draw_software,
 )
-from mcpn.mission.flatten import ObjectivesGraph
+from mcpn.mission.core.objectives_graph import ObjectivesGraph
 from mcpn.mission.robot import Activity, Hardware, Software
 
 __all__ = ["Canvas", "PaperTemplates", "Role", "TemplateSet"]

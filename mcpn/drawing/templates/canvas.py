@@ -13,7 +13,7 @@ from mcpn.drawing.templates.names import names_of
 from mcpn.drawing.templates.ranks import Ranks
 from mcpn.errors import Source
 from mcpn.events import ENDING, Event, What
-from mcpn.mission.flatten import Section
+from mcpn.mission.core.objectives_graph import Section
 from mcpn.mission.robot import Activity, Alternative, Fact
 from mcpn.mission.static.resource_use import Usage
 from mcpn.nets.petri import NetBuilder, PetriNet
@@ -62,7 +62,7 @@ for the release, and holds nothing (:meth:`~mcpn.mission.static.resource_use.Usa
 ``("success", mission)``, ``("failure", mission)``, ``("abort", mission)``: the mission has ended so;
 ``("exit", "on leak")``: a part of the mission has been left so (never in the net of the whole);
 ``("open", "go_home.leak")``, ``("happened", "go_home.leak")``: a handler that happens once (see
-:attr:`mcpn.mission.graph.Interruption.once`) may happen yet, or has happened;
+:attr:`mcpn.mission.core.objectives_graph.Interruption.once`) may happen yet, or has happened;
 ``("fact", "door=open")``: the fact has the value;
 ``("ready", "localise.by_scan")``: it has not crashed, and does not run (some places of what may crash);
 ``("alive", "GPS_sensor")``, ``("dead", "GPS_sensor")``: it may be repaired, or is lost for good (only in

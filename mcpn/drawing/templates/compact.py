@@ -17,7 +17,7 @@ from mcpn.drawing.templates import PaperTemplates
 from mcpn.drawing.templates.activities import AlternativeDrawing, draw_activity
 from mcpn.drawing.templates.canvas import Canvas
 from mcpn.drawing.templates.control import draw_control
-from mcpn.mission.flatten import ObjectivesGraph
+from mcpn.mission.core.objectives_graph import ObjectivesGraph
 from mcpn.mission.robot import Activity
 
 AT_ONCE, COMBINED = 2, 3

@@ -15,9 +15,8 @@ from mcpn.drawing.templates.interrupt_positions import draw_once
 from mcpn.drawing.templates.leaving import Leaving
 from mcpn.drawing.templates.stencil import NotCopied, Stencil
 from mcpn.events import START, Event, What
-from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.graph import TIMED_OUT
-from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.core.objectives_graph import ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, TIMED_OUT
 
 
 def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:

@@ -14,7 +14,7 @@ from typing import Any, get_args
 from mcpn.drawing.templates.canvas import Canvas, Role
 from mcpn.drawing.templates.stencil import Copy, Kind, Stencil
 from mcpn.events import Event
-from mcpn.mission.flatten import Section
+from mcpn.mission.core.objectives_graph import Section
 from mcpn.nets.event_index import EventIndex
 from mcpn.nets.numbering import Nodes, Numbering
 from mcpn.nets.petri import EVENTS, Arcs, Marking, PetriNet, Place, Transition, numbered_ranks

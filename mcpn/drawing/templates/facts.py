@@ -21,7 +21,7 @@ from typing import NamedTuple
 from mcpn.drawing.templates.canvas import Canvas
 from mcpn.errors import LimitError
 from mcpn.events import Event, What
-from mcpn.mission.expansion.routes import FactCase
+from mcpn.mission.fact_cases import FactCase
 from mcpn.mission.robot import Fact
 
 MAX_WAYS = 4096

@@ -9,7 +9,7 @@ from typing import Generic, Literal, NamedTuple, Self, TypeAlias, TypeVar
 from mcpn.drawing.templates.canvas import Pen
 from mcpn.drawing.templates.leaving import Leaving
 from mcpn.drawing.templates.level import Level
-from mcpn.mission.flatten import ElementarySection, ParallelSection
+from mcpn.mission.core.objectives_graph import ElementarySection, ParallelSection
 
 L = TypeVar("L")
 

@@ -30,9 +30,9 @@ from mcpn.drawing.templates.level import element_of
 from mcpn.drawing.templates.pausing import Pausing
 from mcpn.errors import LimitError
 from mcpn.events import Event, What
-from mcpn.mission.expansion.routes import Interrupted
-from mcpn.mission.flatten import ElementarySection, Interruption, ParallelSection, Section
-from mcpn.mission.graph import TIMED_OUT
+from mcpn.mission.core.objectives_graph import ElementarySection, ParallelSection, Section
+from mcpn.mission.core.routes import Interrupted, Interruption
+from mcpn.mission.model import TIMED_OUT
 
 MAX_POSITIONS = 10_000
 """Combinations of where the branches of a block may be that handle one event, each with a transition."""

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from mcpn.drawing.templates.canvas import Canvas
-from mcpn.mission.flatten import ParallelSection, Section
+from mcpn.mission.core.objectives_graph import ParallelSection, Section
 
 
 def draw_once(canvas: Canvas, handler: str) -> None:

@@ -15,7 +15,7 @@ from typing import NamedTuple, TypeAlias
 from mcpn.drawing.templates.canvas import Canvas, Pen
 from mcpn.drawing.templates.facts import FactArcs
 from mcpn.errors import LimitError
-from mcpn.mission.flatten import Branch, ParallelSection
+from mcpn.mission.core.objectives_graph import Branch, ParallelSection
 
 Continuation: TypeAlias = tuple[str, FactArcs, list[str]]
 """A way that an outcome may lead: its number, empty if there is one alone, facts, places to mark."""

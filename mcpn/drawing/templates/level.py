@@ -9,8 +9,15 @@ from mcpn.drawing.templates.canvas import Canvas
 from mcpn.drawing.templates.facts import FactArcs, ways
 from mcpn.drawing.templates.interrupt_positions import Surroundings, events_of, may_halt
 from mcpn.drawing.templates.leaving import Leaving
-from mcpn.mission.expansion.routes import GO_ON, FactCase
-from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.core.objectives_graph import (
+    Branch,
+    ElementarySection,
+    ObjectivesGraph,
+    ParallelSection,
+    Section,
+)
+from mcpn.mission.core.routes import GO_ON
+from mcpn.mission.fact_cases import FactCase
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 
 

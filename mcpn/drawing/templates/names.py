@@ -12,7 +12,7 @@ from copy import copy
 from typing import Self
 from weakref import WeakKeyDictionary
 
-from mcpn.mission.flatten import ParallelSection
+from mcpn.mission.core.objectives_graph import ParallelSection
 from mcpn.mission.static.resource_use import Usage
 
 _PREFIXES = {"objective": "OBJ_", "parallel": "PAR_", "once": "ONCE_", "fact": "FACT_"}

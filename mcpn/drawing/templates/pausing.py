@@ -9,7 +9,7 @@ from mcpn.drawing.templates.canvas import Pen
 from mcpn.drawing.templates.facts import ways
 from mcpn.drawing.templates.halting import Halting
 from mcpn.drawing.templates.interrupt_positions import called
-from mcpn.mission.flatten import ElementarySection, ParallelSection
+from mcpn.mission.core.objectives_graph import ElementarySection, ParallelSection
 
 
 class Pausing:

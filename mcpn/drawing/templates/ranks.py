@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import TypeAlias
 from weakref import WeakKeyDictionary
 
-from mcpn.mission.flatten import ObjectivesGraph, ParallelSection
+from mcpn.mission.core.objectives_graph import ObjectivesGraph, ParallelSection
 from mcpn.mission.static.resource_use import Usage
 
 

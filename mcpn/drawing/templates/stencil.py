@@ -17,8 +17,7 @@ from mcpn.drawing.templates.canvas import Canvas, Role, RoleName
 from mcpn.drawing.templates.level import element_of
 from mcpn.drawing.templates.names import NetNames
 from mcpn.events import ENDING, Event
-from mcpn.mission.flatten import ObjectivesGraph, Section
-from mcpn.mission.graph import names_in
+from mcpn.mission.core.objectives_graph import ObjectivesGraph, Section, names_in
 from mcpn.nets.petri import EVENTS, Arcs, Draft, Place, Transition
 from mcpn.nets.provenance import Provenance
 

@@ -5,8 +5,9 @@ one after the other, parallel blocks and elementary objectives, each with the na
 (``visit_12.travel_try2``). Such a mission is a *core mission* (``core="true"`` in files): its names may be
 qualified, and blocks say by ``copy`` which copy of what is written they are.
 
-Nothing that an author writes is left to the objectives graph (:mod:`mcpn.mission.flatten`), which resolves
-what a core mission says: where exits of blocks lead, as facts are, and which handlers are in effect where.
+Nothing that an author writes is left to the objectives graph (:mod:`mcpn.mission.core.flattening`), which
+resolves what a core mission says: where exits of blocks lead, as facts are, and which handlers are in effect
+where.
 """
 
 from __future__ import annotations

@@ -6,8 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from mcpn.mission.graph import TIMED_OUT
-from mcpn.mission.model import WHOLE, Block, Each, FactRoute, Handler, Parallel, Recursive
+from mcpn.mission.model import TIMED_OUT, WHOLE, Block, Each, FactRoute, Handler, Parallel, Recursive
 from mcpn.mission.passes.rewriting import alone, common
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mcpn.mission.expansion.helpers import following
 from mcpn.mission.model import SUCCEED, Block, Each, Mission, Recursive
 from mcpn.mission.passes.copying import copied, led
 from mcpn.mission.passes.parameters import with_parameter
 from mcpn.mission.passes.rewriting import common, rewritten
+from mcpn.mission.passes.siblings import following
 from mcpn.mission.robot import Parameter
 
 

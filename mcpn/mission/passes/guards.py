@@ -13,13 +13,11 @@ from typing import Any
 
 from mcpn.errors import Problem, Source
 from mcpn.mission.conditions import facts_of, in_words, resolved
-from mcpn.mission.expansion.destinations import Destination, by_facts
-from mcpn.mission.expansion.helpers import following, helping
-from mcpn.mission.expansion.routes import FactCase
-from mcpn.mission.graph import UNNAMED
+from mcpn.mission.fact_cases import Destination, FactCase, by_facts
 from mcpn.mission.language.references import cycles
-from mcpn.mission.model import FAIL, Block, FactRoute, Handler, Mission, Parallel, walk
+from mcpn.mission.model import FAIL, UNNAMED, Block, FactRoute, Handler, Mission, Parallel, walk
 from mcpn.mission.passes.rewriting import in_series
+from mcpn.mission.passes.siblings import following, helping
 from mcpn.mission.robot import Fact
 
 _BY_OUTCOME = {"success": "success", "failure": "failure", "abort": "abort", "timeout": "timeout_goto"}

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from math import prod
 
 from mcpn.errors import LimitError, Problem, Source
-from mcpn.mission.expansion.helpers import recovering
 from mcpn.mission.model import Block, Each, Mission, Objective, Protocol, Use
+from mcpn.mission.passes.siblings import recovering
 
 MAX_NESTING = 128
 MAX_OBJECTIVES = 100_000

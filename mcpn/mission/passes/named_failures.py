@@ -11,8 +11,17 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-from mcpn.mission.expansion.destinations import failing_for
-from mcpn.mission.model import FAIL, Block, FactRoute, Mission, Objective, Parallel, Recursive, walk
+from mcpn.mission.model import (
+    FAIL,
+    Block,
+    FactRoute,
+    Mission,
+    Objective,
+    Parallel,
+    Recursive,
+    failing_for,
+    walk,
+)
 from mcpn.mission.reasons import reason
 
 

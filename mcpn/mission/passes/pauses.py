@@ -12,11 +12,10 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from mcpn.errors import InputError, Problem
-from mcpn.mission.expansion.helpers import entered, following, pausing, recovering
-from mcpn.mission.graph import UNNAMED
-from mcpn.mission.model import FAIL, Block, Handler, Mission, Objective, Parallel, Recursive, walk
+from mcpn.mission.model import FAIL, UNNAMED, Block, Handler, Mission, Objective, Parallel, Recursive, walk
 from mcpn.mission.passes.copying import copied
 from mcpn.mission.passes.limits import Counted
+from mcpn.mission.passes.siblings import entered, following, pausing, recovering
 
 
 def pauses(mission: Mission) -> Mission:

@@ -2,7 +2,7 @@
 
 All stand side by side as siblings. The failure of each run but the last leads to a copy, whatever the reason
 if no route names it, and the success of the copy to the next run. What the copy fails by is the failure of
-the block; it has no reason (:data:`mcpn.mission.graph.UNNAMED`), which only a core mission can say.
+the block; it has no reason (:data:`mcpn.mission.model.UNNAMED`), which only a core mission can say.
 """
 
 from __future__ import annotations
@@ -10,11 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from mcpn.mission.expansion.helpers import entered, following, helping, pausing, recovering
-from mcpn.mission.graph import UNNAMED
-from mcpn.mission.model import FAIL, Block, Handler, Mission
+from mcpn.mission.model import FAIL, UNNAMED, Block, Handler, Mission
 from mcpn.mission.passes.copying import copied, handled, led
 from mcpn.mission.passes.rewriting import in_series
+from mcpn.mission.passes.siblings import entered, following, helping, pausing, recovering
 
 
 def recovery(mission: Mission) -> Mission:

@@ -6,7 +6,7 @@ already.
 
 from __future__ import annotations
 
-from mcpn.mission.expansion.left_by_facts import left_by_facts
+from mcpn.mission.left_by_facts import left_by_facts
 from mcpn.mission.model import WHOLE, Block, Mission, Objective, Parallel
 from mcpn.mission.passes.rewriting import alone, common, rewritten
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from mcpn.errors import Problem, Source
-from mcpn.mission.expansion.copies import grouped
-from mcpn.mission.graph import ObjectivesGraph
+from mcpn.mission.core.copies import grouped
+from mcpn.mission.core.objectives_graph import ObjectivesGraph
 from mcpn.mission.model import Mission
 
 

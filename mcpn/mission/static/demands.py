@@ -16,7 +16,7 @@ from typing import TypeAlias
 
 from mcpn.errors import Source
 from mcpn.mission.conditions import FACTS
-from mcpn.mission.flatten import ElementarySection, ObjectivesGraph
+from mcpn.mission.core.objectives_graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.model import Mission
 from mcpn.mission.static.contention import Contention
 from mcpn.mission.static.occasions import Occasions, occasions

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cached_property
 
-from mcpn.mission.flatten import ParallelSection
+from mcpn.mission.core.objectives_graph import ParallelSection
 from mcpn.mission.static.demands import ConcurrentDemands
 
 

@@ -10,8 +10,8 @@ from functools import cached_property
 from itertools import combinations
 
 from mcpn.mission.conditions import FACTS
+from mcpn.mission.core.objectives_graph import ObjectivesGraph, ParallelSection
 from mcpn.mission.fact_usage import FactUsage
-from mcpn.mission.flatten import ObjectivesGraph, ParallelSection
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Hardware
 

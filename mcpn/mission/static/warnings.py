@@ -6,9 +6,10 @@ from collections.abc import Collection, Iterable, Iterator
 from functools import cache
 
 from mcpn.errors import Problem
-from mcpn.mission.expansion.copies import grouped
+from mcpn.mission.core.copies import grouped
+from mcpn.mission.core.flattening import flatten
+from mcpn.mission.core.objectives_graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.fact_warnings import fact_warnings
-from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, flatten
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Holder, Mission, Use, walk
 from mcpn.mission.static.contention import contention_warnings
 from mcpn.mission.static.resource_use import Usage

@@ -28,7 +28,13 @@ from lxml import etree
 from mcpn._kernel import Zdd
 from mcpn.answers.causes.cutsets import CutSet
 from mcpn.errors import LimitError
-from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.core.objectives_graph import (
+    Branch,
+    ElementarySection,
+    ObjectivesGraph,
+    ParallelSection,
+    Section,
+)
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Crash, Hardware
 from mcpn.mission.static.intervals import at_their_means

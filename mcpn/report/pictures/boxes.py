@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from mcpn.mission.expansion.copies import Path
-from mcpn.mission.expansion.helpers import entered, following, helping
-from mcpn.mission.graph import ObjectivesGraph
+from mcpn.mission.core.copies import Path
+from mcpn.mission.core.objectives_graph import ObjectivesGraph
 from mcpn.mission.model import (
     SUCCEED,
     Block,
@@ -21,6 +20,7 @@ from mcpn.mission.model import (
     Recursive,
     Use,
 )
+from mcpn.mission.passes.siblings import entered, following, helping
 
 
 @dataclass(frozen=True)

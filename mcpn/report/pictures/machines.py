@@ -18,7 +18,7 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.forgetful import forgetful
 from mcpn.drawing.local_nets import local_net, part_of
 from mcpn.events import Event, What
-from mcpn.mission.graph import ObjectivesGraph, names_in
+from mcpn.mission.core.objectives_graph import ObjectivesGraph, names_in
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, drawing
 from mcpn.report.pictures.objectives_graph import ENDS, objectives_picture

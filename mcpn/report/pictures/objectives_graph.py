@@ -6,9 +6,10 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
 from mcpn.drawing.compose import MissionNet
-from mcpn.mission.expansion.routes import GO_ON, FactCase, Interruption
-from mcpn.mission.graph import TIMED_OUT, ElementarySection, ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.core.objectives_graph import ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.core.routes import GO_ON, Interruption
+from mcpn.mission.fact_cases import FactCase
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, TIMED_OUT
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, drawing
 

@@ -21,7 +21,7 @@ from mcpn.answers.template_equivalence import likeness_of
 from mcpn.drawing.compose import compose
 from mcpn.drawing.templates import TemplateSet
 from mcpn.errors import ConfluenceError, DivergenceError, SemanticsError, UnsafeError
-from mcpn.mission.flatten import ObjectivesGraph
+from mcpn.mission.core.objectives_graph import ObjectivesGraph
 from mcpn.report.text import likeness_lines
 from mcpn.spaces.markings.graph import Mask
 from mcpn.testing.kit.contract import contract_of_arcs

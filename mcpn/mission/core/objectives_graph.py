@@ -8,17 +8,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 from mcpn.errors import Source
-from mcpn.mission.expansion.copies import Copies
-from mcpn.mission.expansion.routes import (
-    GO_ON,
-    Becoming,
-    FactCase,
-    Interrupted,
-    Interruption,
-    Routes,
-    Setting,
-)
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
+from mcpn.mission.core.copies import Copies
+from mcpn.mission.core.routes import GO_ON, Becoming, Interrupted, Interruption, Routes, Setting
+from mcpn.mission.fact_cases import FactCase
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, TIMED_OUT, Mission
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import Parameter
 from mcpn.notebook import Drawn
@@ -26,11 +19,6 @@ from mcpn.records import ValueRecord
 
 if TYPE_CHECKING:
     import networkx as nx
-
-TIMED_OUT = "timed out"
-"""The outcome of a section whose time is over, and the route that leads there: no block is called so."""
-UNNAMED = "fail without reason"
-"""The route of what fails without a reason, whatever it failed for itself; nothing is called so."""
 
 
 def failed_for(reason: str) -> str:

@@ -9,8 +9,8 @@ from dataclasses import replace
 from functools import partial
 from itertools import chain
 
-from mcpn.mission.expansion.routes import GO_ON, Interruption
-from mcpn.mission.graph import ObjectivesGraph, ParallelSection, PauseGraph, rerouted
+from mcpn.mission.core.objectives_graph import ObjectivesGraph, ParallelSection, PauseGraph, rerouted
+from mcpn.mission.core.routes import GO_ON, Interruption
 
 PAUSE = "pause "
 """Begins, before the sibling's name, what stands for the target of a pause until what is stopped is known."""

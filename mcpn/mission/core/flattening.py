@@ -5,7 +5,7 @@ they lead to: through the exits of blocks, as facts and reasons decide; and hand
 sections that they interrupt.
 
 Parallel blocks are kept as sections, each branch with a graph of its own. Routes that facts choose become
-cases of sections (:func:`mcpn.mission.expansion.destinations.deciding`).
+cases of sections (:func:`mcpn.mission.core.destinations.deciding`).
 """
 
 from __future__ import annotations
@@ -14,14 +14,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from mcpn.mission.conditions import facts_of, resolved
-from mcpn.mission.expansion.copies import Copies
-from mcpn.mission.expansion.destinations import Destination, Destinations, by_facts, deciding
-from mcpn.mission.expansion.helpers import following
-from mcpn.mission.expansion.pauses import PAUSE, end_of_pause, with_pause_graph
-from mcpn.mission.expansion.routes import Becoming, Interruption, Setting
-from mcpn.mission.expansion.scope import Scope
-from mcpn.mission.graph import (
-    UNNAMED,
+from mcpn.mission.core.copies import Copies
+from mcpn.mission.core.destinations import Destinations, deciding
+from mcpn.mission.core.objectives_graph import (
     Branch,
     ElementarySection,
     ObjectivesGraph,
@@ -29,10 +24,15 @@ from mcpn.mission.graph import (
     PauseGraph,
     Section,
 )
+from mcpn.mission.core.pause_graphs import PAUSE, end_of_pause, with_pause_graph
+from mcpn.mission.core.routes import Becoming, Interruption, Setting
+from mcpn.mission.core.scope import Scope
+from mcpn.mission.fact_cases import Destination, by_facts
 from mcpn.mission.model import (
     ABORT,
     FAIL,
     SUCCEED,
+    UNNAMED,
     Block,
     Handler,
     Mission,
@@ -42,24 +42,12 @@ from mcpn.mission.model import (
     walk,
 )
 from mcpn.mission.passes import core
-from mcpn.mission.passes.limits import MAX_NESTING, MAX_OBJECTIVES, MAX_PARAMETERS, Counted
+from mcpn.mission.passes.limits import Counted
 from mcpn.mission.passes.pauses import runs_for
+from mcpn.mission.passes.siblings import following
 from mcpn.mission.reasons import probabilities, reason
 from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.mission.validate import valid
-
-__all__ = [
-    "MAX_NESTING",
-    "MAX_OBJECTIVES",
-    "MAX_PARAMETERS",
-    "Branch",
-    "ElementarySection",
-    "Interruption",
-    "ObjectivesGraph",
-    "ParallelSection",
-    "Section",
-    "flatten",
-]
 
 
 def flatten(mission: Mission) -> ObjectivesGraph:

@@ -1,42 +1,22 @@
 """How sections of the objectives graph are left: by their ends, by events that interrupt them, by facts.
 
-How routes are chosen by facts is in :mod:`mcpn.mission.flatten` (``deciding``) and
-:mod:`mcpn.mission.expansion.destinations`; facts and ``<route>`` are declared in :mod:`mcpn.mission.robot`
-and :mod:`mcpn.mission.model`.
+Which routes facts choose is in :mod:`mcpn.mission.core.destinations`; facts and ``<route>`` are declared in
+:mod:`mcpn.mission.robot` and :mod:`mcpn.mission.model`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 from mcpn.errors import Source
+from mcpn.mission.conditions import Condition
+from mcpn.mission.fact_cases import FactCase
 from mcpn.records import ValueRecord
 
 GO_ON = "go on"
 """The exit of what runs while a parallel block pauses, after which it goes on: no block is called so."""
-
-Condition: TypeAlias = tuple[tuple[str, str], ...]
-"""Facts, each with the value that it must have: all of them at once."""
-
-
-class FactCase(NamedTuple):
-    """A target that a route leads to if facts have some values.
-
-    Args:
-        when: What they must be.
-        target: The next section, or one of the graph's own exits.
-    """
-
-    when: Condition
-    target: str
-
-    @property
-    def words(self) -> str:
-        """What facts must be, as missions say it."""
-        short = {"true": "{}", "false": "!{}"}
-        return " ".join(short.get(value, f"{{}}={value}").format(fact) for fact, value in self.when)
 
 
 class Setting(NamedTuple):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from mcpn.mission.expansion.copies import BlockPosition
-from mcpn.mission.expansion.routes import Interruption
+from mcpn.mission.core.copies import BlockPosition
+from mcpn.mission.core.routes import Interruption
 from mcpn.mission.model import Block, Recursive
 
 

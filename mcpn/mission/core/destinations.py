@@ -1,7 +1,7 @@
 """Where the outcomes of blocks lead: by default, and by routes that facts and reasons choose.
 
-:mod:`mcpn.mission.flatten` says where the routes of a block lead by default; :func:`deciding` puts its own
-routes before them, with their conditions on facts and their reasons.
+:mod:`mcpn.mission.core.flattening` says where the routes of a block lead by default; :func:`deciding` puts
+its own routes before them, with their conditions on facts and their reasons.
 """
 
 from __future__ import annotations
@@ -10,61 +10,12 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-from mcpn.mission.conditions import resolved
-from mcpn.mission.expansion.routes import Becoming, Condition, FactCase, left_by
-from mcpn.mission.graph import TIMED_OUT, UNNAMED, failed_for
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block
+from mcpn.mission.conditions import Condition, resolved
+from mcpn.mission.core.objectives_graph import failed_for
+from mcpn.mission.core.routes import Becoming, left_by
+from mcpn.mission.fact_cases import Destination, FactCase, by_facts
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, TIMED_OUT, UNNAMED, Block, failing_for
 from mcpn.mission.robot import Fact
-
-
-class Destination(NamedTuple):
-    """Where an outcome or a handler leads: to the target of the first case whose facts hold, else ``target``.
-
-    Args:
-        target: The default: a section, or an exit of the graph.
-        cases: Conditions on facts with their targets, in order.
-    """
-
-    target: str
-    cases: tuple[FactCase, ...] = ()
-
-    def once(self) -> Destination:
-        """The same without cases that never count, for one before them holds whenever they do."""
-        kept = list[FactCase]()
-        for case in self.cases:
-            if not any({*before.when} <= {*case.when} for before in kept):
-                kept.append(case)
-        return Destination(self.target, tuple(kept))
-
-
-def by_facts(cases: Iterable[tuple[Condition, Destination]], default: Destination) -> Destination:
-    """One lead that chooses by facts: the lead of the first condition that holds, else the default.
-
-    A condition that asks for nothing always holds.
-    Cases of the leads chosen from are joined with the condition before them, so that the result is one list.
-    """
-    flat = list[FactCase]()
-    for when, lead in cases:
-        if not when:
-            default = lead
-            break
-        inner = ((_both(when, case.when), case.target) for case in lead.cases)
-        flat += (FactCase(both, target) for both, target in inner if both is not None)
-        flat.append(FactCase(when, lead.target))
-    return Destination(default.target, (*flat, *default.cases)) if flat else default
-
-
-def _both(one: Condition, other: Condition) -> Condition | None:
-    """Two conditions at once; ``None`` where they exclude each other."""
-    both = dict(one)
-    if any(both.setdefault(fact, value) != value for fact, value in other):
-        return None
-    return tuple(both.items())
-
-
-def failing_for(reason: str) -> str:
-    """The name of the exit by which blocks are left that fail for a reason; no block is called so."""
-    return f"{FAIL} {reason}"
 
 
 class Destinations(NamedTuple):

@@ -1,1 +1,0 @@
-"""What flattening writes out: the scope of each copy of a block."""
