@@ -149,7 +149,7 @@ def test_the_wing_of_nets_knows_no_mission() -> None:
 def test_the_wing_of_nets_has_no_word_of_missions() -> None:
     """Neither a name nor a text that is compared; kinds of elements and words of formulas have own files."""
     word = re.compile(r"mission|objective(?!_function)|hardware|(?<!re)activit|robot", re.IGNORECASE)
-    said_in = {"nets/provenance.py", "spaces/names.py", "logic/syntax.py"}
+    said_in = {"nets/provenance.py", "spaces/formula_names.py", "logic/syntax.py"}
     wrong = set[str]()
     for path in MODULES:
         where = path.relative_to(PACKAGE)

@@ -33,7 +33,7 @@ from mcpn.robot.runtime import Controller as Runtime
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction
-from mcpn.spaces.stable.confluence import prove_confluent
+from mcpn.spaces.stable.confluence_by_sets import prove_confluent
 from mcpn.spaces.stable.written_out import written_out
 from mcpn.testing import missions
 from mcpn.testing.stacked import stacked_missions

@@ -10,10 +10,10 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from mcpn.answers.causes.cutsets import CutSet
 from mcpn.answers.causes.effects import Severity
 from mcpn.answers.causes.find import Causes
 from mcpn.answers.causes.fmeca import fmeca
+from mcpn.answers.causes.minimal_cut_sets import CutSet
 from mcpn.answers.causes.risk import risk
 from mcpn.answers.spaces import spaces_of
 from mcpn.answers.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check

@@ -54,7 +54,8 @@ def test_the_mutants_of_a_small_file(mutants: ModuleType) -> None:
 
 
 @pytest.mark.parametrize(
-    "path", ["mcpn/errors.py", pytest.param("mcpn/spaces/stable/confluence.py", marks=pytest.mark.slow)]
+    "path",
+    ["mcpn/errors.py", pytest.param("mcpn/spaces/stable/confluence_by_sets.py", marks=pytest.mark.slow)],
 )
 def test_each_mutant_parses_and_is_another_program(mutants: ModuleType, path: str) -> None:
     source = (ROOT / path).read_bytes()

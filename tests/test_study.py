@@ -28,7 +28,7 @@ from tests.draws import fewer
 
 BUILT = {
     "composite": "mcpn.composite.composing.composite_space",
-    "listing": "mcpn.spaces.stable.falsification.proved",
+    "listing": "mcpn.spaces.stable.nearest_nonconfluence.proved",
     "diagram": "mcpn.spaces.registry.reaching",
     "markings": "mcpn.spaces.registry.explore",
 }
@@ -53,9 +53,9 @@ def built() -> Iterator[Counter[str]]:
 
     from mcpn.composite import composing
     from mcpn.spaces import registry as spaces
-    from mcpn.spaces.stable import falsification
+    from mcpn.spaces.stable import nearest_nonconfluence
 
-    homes = {"composite": composing, "listing": falsification, "diagram": spaces, "markings": spaces}
+    homes = {"composite": composing, "listing": nearest_nonconfluence, "diagram": spaces, "markings": spaces}
     with ExitStack() as stack:
         for name, target in BUILT.items():
             original = getattr(homes[name], target.rpartition(".")[2])

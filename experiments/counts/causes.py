@@ -22,7 +22,7 @@ sys.path.append(str(Path(__file__).resolve().parents[2]))
 from experiments.shared import plots
 from mcpn.answers.causes.find import Causes, find_causes
 from mcpn.answers.causes.fmeca import fmeca
-from mcpn.answers.names import MissionNames
+from mcpn.answers.mission_names import MissionNames
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.events import Event, What
 from mcpn.logic.evaluate import Evaluation

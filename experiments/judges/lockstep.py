@@ -50,7 +50,7 @@ from mcpn.events import Event
 from mcpn.mission.xml import read_mission
 from mcpn.robot.runtime.tables import Tables
 from mcpn.robot.targets import files
-from mcpn.robot.targets.names import identifiers
+from mcpn.robot.targets.identifiers import identifiers
 from mcpn.robot.targets.scxml import event_name
 from mcpn.testing import missions
 

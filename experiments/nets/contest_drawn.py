@@ -123,7 +123,7 @@ def answer(net: PetriNet, engine: str, seconds: int, asked: set[str], answers: C
     from mcpn.logic.asking import Questions
     from mcpn.logic.contest import Property
     from mcpn.logic.syntax import parse
-    from mcpn.spaces.names import Names
+    from mcpn.spaces.formula_names import Names
 
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
     resource.setrlimit(resource.RLIMIT_AS, (GIB << 30, GIB << 30))

@@ -222,7 +222,7 @@ def answer(net: PetriNet, bounds: int, paths: int, engine: str, seconds: int, an
     from mcpn.logic.asking import Questions
     from mcpn.logic.contest import Property
     from mcpn.logic.syntax import parse
-    from mcpn.spaces.names import Names
+    from mcpn.spaces.formula_names import Names
 
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
     asked = [

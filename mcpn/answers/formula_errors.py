@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mcpn.answers.names import expected, words_of
+from mcpn.answers.mission_names import expected, words_of
 from mcpn.errors import InputError, LimitError, Problem, Source
 from mcpn.events import ENDING, Event, What
 from mcpn.logic.syntax import parse_open
@@ -17,7 +17,7 @@ from mcpn.mission.requirement import Requirement, formulas_of
 from mcpn.mission.xml import InvalidMission, in_place
 from mcpn.nets.petri import NetBuilder
 from mcpn.robot.runtime.tables import spelled
-from mcpn.spaces.names import ENDINGS, Names, unknown
+from mcpn.spaces.formula_names import ENDINGS, Names, unknown
 from mcpn.spaces.search.goal import Formula, marked
 
 

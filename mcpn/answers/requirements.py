@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
-from mcpn.answers.names import MissionNames, progress
+from mcpn.answers.mission_names import MissionNames, progress
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError, LimitError, Problem
 from mcpn.events import ENDING
@@ -19,7 +19,7 @@ from mcpn.logic.writing import show
 from mcpn.mission.requirement import BoundedExistence, Requirement
 from mcpn.sentences import enumeration, ordinal
 from mcpn.spaces.algebra import Space
-from mcpn.spaces.names import Names
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.search.goal import Formula
 from mcpn.steps import Doing, step
 

@@ -92,7 +92,7 @@ def robot_safety(
         InputError: A dangerous activity or a stop is none of the mission; found before anything is explored.
         LimitError: A limit was hit.
     """
-    from mcpn.answers.names import MissionNames
+    from mcpn.answers.mission_names import MissionNames
     from mcpn.answers.spaces import spaces_of
     from mcpn.answers.verdicts.mission import ENDS_SAFELY, check
     from mcpn.logic.evaluate import Evaluation

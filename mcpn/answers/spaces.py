@@ -25,7 +25,7 @@ from mcpn.spaces.registry import Spaces, kept
 from mcpn.spaces.stable.run_to_completion import MAX_STABLE_STATES
 
 if TYPE_CHECKING:
-    from mcpn.answers.names import MissionNames
+    from mcpn.answers.mission_names import MissionNames
     from mcpn.composite.composite import CompositeSpace
     from mcpn.drawing.templates import TemplateSet
     from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
@@ -72,13 +72,13 @@ class MissionSpaces(Spaces):
 
     def names(self, within: str = "") -> MissionNames:
         """Looks up what names and words in formulas stand for."""
-        from mcpn.answers.names import MissionNames
+        from mcpn.answers.mission_names import MissionNames
 
         return MissionNames(self.mission, within)
 
     def progress(self) -> Sequence[tuple[Formula, tuple[int, ...]]]:
-        """The mission goes on: it starts, and running objectives end; :func:`mcpn.answers.names.progress`."""
-        from mcpn.answers.names import progress
+        """The mission goes on: it starts, and running objectives end."""
+        from mcpn.answers.mission_names import progress
 
         return [(constraint.states, constraint.transitions) for constraint in progress(self.mission)]
 

@@ -11,8 +11,8 @@ from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
-from mcpn.answers.causes.cutsets import CutSet, Moment
 from mcpn.answers.causes.find import Causes, find_causes
+from mcpn.answers.causes.minimal_cut_sets import CutSet, Moment
 from mcpn.answers.claims import Claim, claims_of, claims_of_causes
 from mcpn.answers.verdicts.mission import MissionCheck, check
 from mcpn.errors import InputError, LimitError, SemanticsError

@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mcpn.answers.causes.cutsets import CutSet, Moment
 from mcpn.answers.causes.find import Causes, GoalCauses
+from mcpn.answers.causes.minimal_cut_sets import CutSet, Moment
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.certificates import evidence
-from mcpn.certificates.cut_sets import Losing, can_fail, survived
+from mcpn.certificates.cut_set_evidence import Losing, can_fail, survived
 from mcpn.certificates.entries import Claimed, Trusted, entry
 from mcpn.errors import LimitError
 from mcpn.events import ENDING

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from mcpn.answers.causes.find import Causes
 from mcpn.answers.claims import Claim, claims_of, claims_of_losses
-from mcpn.answers.names import MissionNames
+from mcpn.answers.mission_names import MissionNames
 from mcpn.answers.requirements import AskedRequirement
 from mcpn.answers.spaces import MissionSpaces, spaces_of
 from mcpn.answers.verdicts.mission import MissionCheck
@@ -18,7 +18,7 @@ from mcpn.answers.verdicts.nominal import NominalRuns, meant_to_be_entered
 from mcpn.certificates import evidence
 from mcpn.certificates.certcheck import ENDS, VERSION, Limit
 from mcpn.certificates.core_entry import core_entry
-from mcpn.certificates.cut_sets import before_the_start, can_fail, survived
+from mcpn.certificates.cut_set_evidence import before_the_start, can_fail, survived
 from mcpn.certificates.entries import Claimed, Trusted, Uncertified, entry
 from mcpn.certificates.formula_entry import formula_entry
 from mcpn.certificates.moments_entry import CRASHES, MomentClaims

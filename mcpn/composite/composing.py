@@ -29,7 +29,7 @@ from mcpn.drawing.templates import TemplateSet
 from mcpn.drawing.templates.named import looks_at_no_names
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, WorkersError
 from mcpn.nets.petri import PetriNet
-from mcpn.spaces.stable.falsification import FIRST_FIRINGS, nearest_fault
+from mcpn.spaces.stable.nearest_nonconfluence import FIRST_FIRINGS, nearest_fault
 from mcpn.spaces.stable.run_to_completion import MAX_STABLE_STATES
 from mcpn.steps import Doing, step
 from mcpn.workers import workers
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from mcpn.spaces.stable.alternatives import AlternativesGraph
-from mcpn.composite.nonconfluent import refuse_nonconfluent, refuse_open_junctions
+from mcpn.composite.nonconfluent_sections import refuse_nonconfluent, refuse_open_junctions
 
 
 def composite_space(

@@ -22,7 +22,7 @@ from mcpn.spaces.diagrams.spaces import DiagramAlternatives
 from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY, reach
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.stable.big_steps import MOST_STEPS, BigStepSpace, Steps, reach_in_big_steps
-from mcpn.spaces.stable.open_conflicts import open_conflicts
+from mcpn.spaces.stable.confluence_by_ranks import open_conflicts
 
 
 @dataclass

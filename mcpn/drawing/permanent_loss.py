@@ -18,7 +18,7 @@ from dataclasses import replace
 
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.templates.interface import CONTROL
-from mcpn.drawing.templates.names import names_of
+from mcpn.drawing.templates.net_names import names_of
 from mcpn.events import Event, What
 from mcpn.nets.petri import PetriNet, Place, Transition
 from mcpn.nets.provenance import Provenance

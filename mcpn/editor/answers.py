@@ -12,11 +12,11 @@ from lsprotocol import types as lsp
 from pygls.workspace import TextDocument
 
 from mcpn.editor.layout import formatted
-from mcpn.editor.names import Symbol, attribute_of, resolved, scope_of, symbols, words
 from mcpn.editor.outline import Outlined, outline
 from mcpn.editor.project import Project
 from mcpn.editor.route_targets import targets
 from mcpn.editor.scan import ScannedAttribute, ScannedElement
+from mcpn.editor.symbols import Symbol, attribute_of, resolved, scope_of, symbols, words
 from mcpn.errors import Problem
 from mcpn.mission.language.datatypes import BOOLEAN, NAME
 from mcpn.mission.language.forms import ROOTS, Tag, language

@@ -21,7 +21,7 @@ from mcpn.errors import InputError, Problem, Source
 from mcpn.logic.formulas import OPERATORS, every_path, some_path, within_limit
 from mcpn.logic.ltl.formulas import Next, Until, always, eventually, is_of_paths
 from mcpn.logic.polynomials import Polynomial, added, multiplied, related
-from mcpn.spaces.names import Names
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Fires, Formula
 from mcpn.xmlio import parse_xml
 

@@ -2,7 +2,7 @@
 
 Atoms and connectives are those of goals (:mod:`mcpn.spaces.search.goal`); every other operator is written
 with these (:data:`OPERATORS`). Names of places, transitions and elements of the mission are looked up as a
-formula is read (:mod:`mcpn.spaces.names`).
+formula is read (:mod:`mcpn.spaces.formula_names`).
 
 Paths are maximal: infinite, or ending in a state without successors. In such a state ``EX`` of anything is
 false, ``AX`` of anything true, and ``EG f`` and ``AF f`` are what ``f`` is.

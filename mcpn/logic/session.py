@@ -19,7 +19,7 @@ from mcpn.spaces.diagrams.base import Diagrams
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
 from mcpn.spaces.engine_names import EXPLICIT, SYMBOLIC, Asking, On
 from mcpn.spaces.engines import Choice, NoSpace, answered, refuse_unknown
-from mcpn.spaces.names import PROGRESS
+from mcpn.spaces.formula_names import PROGRESS
 from mcpn.spaces.registry import Subject, spaces_of
 from mcpn.spaces.search.goal import Formula
 

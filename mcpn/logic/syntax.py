@@ -14,7 +14,7 @@ operands to the right. ``X``, ``F`` or ``<>`` and ``G`` or ``[]`` alone speak of
 before such a formula of all paths and of some, and where neither stands, all are meant. Atoms:
 ``true``, ``false``, ``deadlock``, ``stable``, sums of tokens compared (``tokens(p, q) + r <= 1``), a place
 alone (it is marked), ``enabled(t, u)``, ``fires(t, u)`` (the next step of a path is one of them), and the
-mission's words (:data:`mcpn.spaces.names.WORDS`). Names that hold anything but letters, digits, ``_``
+mission's words (:data:`mcpn.spaces.formula_names.WORDS`). Names that hold anything but letters, digits, ``_``
 and ``.`` stand in double quotes.
 
 Operators wait on a stack of the parser's own, so that parentheses of any depth cost no recursion. Where an
@@ -45,7 +45,7 @@ from typing import NamedTuple, NoReturn, TypeVar
 from mcpn.errors import InputError
 from mcpn.logic.formulas import OPERATORS, Sum, compare, every_path, some_path, within_limit
 from mcpn.logic.ltl.formulas import Happens, Next, Release, Until, always, eventually
-from mcpn.spaces.names import ENDINGS, WORDS, Names
+from mcpn.spaces.formula_names import ENDINGS, WORDS, Names
 from mcpn.spaces.search.goal import (
     DEADLOCK,
     FALSE,

@@ -15,7 +15,7 @@ from mcpn.logic.simplify import simplified
 from mcpn.logic.witness import Explanation, NoRun, Witness
 from mcpn.nets.petri import EVENTS, Marking, PetriNet
 from mcpn.spaces.algebra import Edge
-from mcpn.spaces.names import Names
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.run import Completion
 from mcpn.spaces.search.goal import (
     DEADLOCK,

@@ -20,7 +20,7 @@ from mcpn.logic.ltl.formulas import SomePath
 from mcpn.logic.writing import show
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.spaces.algebra import Edge, S
-from mcpn.spaces.names import Names
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.run import Run, transitions_of
 from mcpn.spaces.search.goal import TRUE, And, Formula, Not, Or
 

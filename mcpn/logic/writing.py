@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from mcpn.logic.formulas import EG, EU, EX
 from mcpn.logic.ltl.formulas import Happens, Next, Release, SomePath, Until, normal
 from mcpn.logic.syntax import BINDING, PLAIN, RESERVED, TIGHT
-from mcpn.spaces.names import Names
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.search.goal import (
     And,
     AtMost,

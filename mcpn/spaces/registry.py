@@ -24,8 +24,8 @@ from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import reaching
 from mcpn.spaces.engine_names import EXPLICIT, LOCAL, Asked, Asking, Engine, On
 from mcpn.spaces.engines import FEW_FIRINGS, Choice, choices_of_net, refuse_unknown
+from mcpn.spaces.formula_names import PROGRESS, Names
 from mcpn.spaces.markings.explicit import MAX_MARKINGS, Counts, KernelNet, count, explore
-from mcpn.spaces.names import PROGRESS, Names
 from mcpn.spaces.stable.run_to_completion import MAX_STABLE_STATES, PROOF_BY_MARKINGS
 from mcpn.steps import Doing, step
 from mcpn.turns import Pausing
@@ -238,7 +238,7 @@ class Spaces:
     @kept("within")
     def _listed(self, within: tuple[int, float]) -> _Listing:
         """The stable states within limits on states and on firings."""
-        from mcpn.spaces.stable.falsification import proved
+        from mcpn.spaces.stable.nearest_nonconfluence import proved
 
         step(Doing.LISTING)
         max_states, firings = within
@@ -327,7 +327,7 @@ class Spaces:
 
             graph = by_reduction(markings.graph)
             return type(markings)(graph), graph.proof or ""
-        from mcpn.spaces.stable.confluence import prove_confluent
+        from mcpn.spaces.stable.confluence_by_sets import prove_confluent
 
         space = markings.space
         proved = prove_confluent(self.net, space) if proof else ""

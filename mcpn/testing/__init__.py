@@ -19,8 +19,8 @@ except ImportError as error:
     raise ImportError("mcpn.testing needs hypothesis: pip install 'mcpn[testing]'") from error
 
 from mcpn.mission.model import Mission
+from mcpn.testing.awkward_names import awkwardly_named
 from mcpn.testing.blocks import MissionDrawing
-from mcpn.testing.names import awkwardly_named
 from mcpn.testing.printing import register
 from mcpn.testing.shape import Shape as Shape
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from hypothesis import assume, event, example, given
 
-from mcpn.answers.causes.cutsets import Moment
 from mcpn.answers.causes.effects import Severity
 from mcpn.answers.causes.fmeca import fmeca
+from mcpn.answers.causes.minimal_cut_sets import Moment
 from mcpn.answers.causes.risk import risk
 from mcpn.answers.verdicts.mission import check
 from mcpn.controller.document import document

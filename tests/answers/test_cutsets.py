@@ -13,11 +13,11 @@ import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
-from mcpn.answers.causes.cutsets import CutSet, CutSets, Moment
 from mcpn.answers.causes.find import Causes
 from mcpn.answers.causes.fmeca import fmeca
+from mcpn.answers.causes.minimal_cut_sets import CutSet, CutSets, Moment
 from mcpn.answers.causes.prospects import Prospects
-from mcpn.answers.names import MissionNames
+from mcpn.answers.mission_names import MissionNames
 from mcpn.answers.verdicts.modes import situation
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.permanent_loss import mortal

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.answers.causes.cutsets import CutSet
+from mcpn.answers.causes.minimal_cut_sets import CutSet
 from mcpn.drawing.compose import compose
 from mcpn.mission.xml import read_mission
 from mcpn.spaces.engine_names import Engine

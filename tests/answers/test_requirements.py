@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.answers.names import MissionNames
+from mcpn.answers.mission_names import MissionNames
 from mcpn.answers.requirements import asked_of
 from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import compose

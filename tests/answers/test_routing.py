@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
-from mcpn.answers.names import MissionNames
+from mcpn.answers.mission_names import MissionNames
 from mcpn.answers.verdicts.mission import MissionCheck, check
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, SemanticsError

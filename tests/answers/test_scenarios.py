@@ -9,8 +9,8 @@ import pytest
 from hypothesis import event, given
 from hypothesis import strategies as st
 
-from mcpn.answers.causes.cutsets import Moment
 from mcpn.answers.causes.find import find_causes
+from mcpn.answers.causes.minimal_cut_sets import Moment
 from mcpn.answers.causes.prospects import Striking
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hypothesis import given
 
-from mcpn.answers.names import MissionNames
+from mcpn.answers.mission_names import MissionNames
 from mcpn.answers.vocabulary import vocabulary
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.logic.syntax import parse

@@ -15,7 +15,7 @@ from hypothesis.strategies import booleans
 
 from mcpn.composite.composing import composite_space
 from mcpn.composite.composite import CompositeSpace
-from mcpn.composite.nonconfluent import sharing_pairs
+from mcpn.composite.nonconfluent_sections import sharing_pairs
 from mcpn.composite.section_type import SectionType
 from mcpn.composite.sections import NOWHERE
 from mcpn.controller.generate import generate
@@ -31,7 +31,7 @@ from mcpn.mission.model import Mission, Objective, Recursive
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction, direct
-from mcpn.spaces.stable.confluence import prove_confluent
+from mcpn.spaces.stable.confluence_by_sets import prove_confluent
 from mcpn.spaces.stable.written_out import written_out
 from mcpn.steps import Doing, WorkStep, heard_by
 from mcpn.testing import missions

@@ -16,8 +16,8 @@ from mcpn.logic.syntax import parse
 from mcpn.mission.requirement import Requirement
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.arrays import ArraySpace
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.markings.explicit import explore
-from mcpn.spaces.names import Names
 from tests.answers.patterns.words import Words
 
 LETTERS = ("", "p", "q", "pq")

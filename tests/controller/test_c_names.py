@@ -16,7 +16,7 @@ from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.robot.targets import files
 from mcpn.robot.targets.c import Array
-from mcpn.robot.targets.names import C_KEYWORDS, C_SIGNIFICANT, c_string, comment, identifiers
+from mcpn.robot.targets.identifiers import C_KEYWORDS, C_SIGNIFICANT, c_string, comment, identifiers
 from tests.controller.test_c import build
 
 

@@ -21,7 +21,7 @@ from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.robot.runtime import Controller as Runtime
 from mcpn.robot.targets import files
-from mcpn.robot.targets.names import identifiers
+from mcpn.robot.targets.identifiers import identifiers
 from mcpn.robot.targets.scxml import NAMESPACE, event_name
 from mcpn.testing import missions
 from tests.controller.interpreters import Answers, python_statemachine, qt, qt_rows, scion

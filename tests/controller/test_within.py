@@ -25,8 +25,8 @@ from mcpn.mission.model import Mission
 from mcpn.mission.requirement import Requirement
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.spaces.arrays import ArraySpace
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.markings.explicit import explore
-from mcpn.spaces.names import Names
 from mcpn.spaces.stable.alternatives import by_reduction
 from mcpn.study import open_study
 from mcpn.testing import missions

@@ -9,13 +9,13 @@ from mcpn.controller.machine import Machine, PlannedAction, controller
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.local_nets import local_net
 from mcpn.drawing.sections import section_part
-from mcpn.drawing.templates.names import NetNames
+from mcpn.drawing.templates.net_names import NetNames
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.mission.validate import find_errors
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions
-from mcpn.testing.names import renamed
+from mcpn.testing.awkward_names import renamed
 
 
 def twins(draw: st.DataObject, **bounds: int | bool) -> tuple[Mission, Mission]:

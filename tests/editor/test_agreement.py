@@ -21,10 +21,10 @@ from mcpn.mission.model import Mission
 from mcpn.mission.static.resource_use import Usage
 from mcpn.mission.static.warnings import static_warnings
 from mcpn.mission.xml import read_mission
-from mcpn.spaces.names import WORDS
+from mcpn.spaces.formula_names import WORDS
 from mcpn.testing import missions
+from mcpn.testing.awkward_names import renamed
 from mcpn.testing.broken import BrokenMission, broken_missions
-from mcpn.testing.names import renamed
 from mcpn.testing.printing import as_xml
 from mcpn.testing.shape import Shape
 

@@ -7,13 +7,13 @@ from hypothesis import event, example, given
 from hypothesis import strategies as st
 from lxml import etree
 
-from mcpn.editor.names import symbols
 from mcpn.editor.scan import Scan, ScannedElement, scan
+from mcpn.editor.symbols import symbols
 from mcpn.mission.model import Mission
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import read_mission
 from mcpn.testing import missions
-from mcpn.testing.names import renamed
+from mcpn.testing.awkward_names import renamed
 from tests.conftest import ROOT
 
 FILES = sorted((ROOT / "experiments").glob("*/*.xml"))

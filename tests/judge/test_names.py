@@ -11,7 +11,7 @@ import pytest
 from hypothesis import event, given
 
 from mcpn.answers.causes.find import find_causes
-from mcpn.answers.names import MissionNames
+from mcpn.answers.mission_names import MissionNames
 from mcpn.answers.spaces import spaces_of
 from mcpn.answers.verdicts.mission import check
 from mcpn.answers.vocabulary import vocabulary

@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Any, get_args
 
-from mcpn.answers.causes.cutsets import CutSet, CutSets, Moment
 from mcpn.answers.causes.find import Causes, find_causes
+from mcpn.answers.causes.minimal_cut_sets import CutSet, CutSets, Moment
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.spaces import spaces_of
 from mcpn.drawing.compose import MissionNet

@@ -11,11 +11,11 @@ from typing import Any, TypeAlias
 
 from hypothesis import strategies as st
 
-from mcpn.answers.names import MissionNames
+from mcpn.answers.mission_names import MissionNames
 from mcpn.drawing.compose import MissionNet
 from mcpn.logic.syntax import parse
 from mcpn.nets.petri import Marking, PetriNet
-from mcpn.spaces.names import Names
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.search.goal import Formula
 
 Edges = dict[Marking, list[tuple[int, Marking]]]

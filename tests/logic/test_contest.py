@@ -27,7 +27,7 @@ from mcpn.spaces.diagrams import symbolic
 from mcpn.spaces.diagrams.bounded import reach_markings
 from mcpn.spaces.diagrams.race_entrants import OneByOne
 from mcpn.spaces.engine_names import Asked
-from mcpn.spaces.names import Names
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.search.equation import Ceiling, Proof, Solution, StateEquation
 from mcpn.spaces.search.goal import Goal
 from mcpn.testing.nets import FAMILIES

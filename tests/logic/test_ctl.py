@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, event, given, reject
 from hypothesis import strategies as st
 
-from mcpn.answers.names import progress
+from mcpn.answers.mission_names import progress
 from mcpn.answers.spaces import spaces_of
 from mcpn.composite.composing import composite_space
 from mcpn.drawing.compose import MissionNet, compose
@@ -26,9 +26,9 @@ from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.engine_names import Asked
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.markings.graph import StateGraph
-from mcpn.spaces.names import Names
 from mcpn.spaces.search.goal import Formula
 from mcpn.spaces.stable.alternatives import by_reduction
 from mcpn.testing import missions

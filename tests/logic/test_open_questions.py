@@ -14,7 +14,7 @@ from mcpn.logic.contest import Property
 from mcpn.logic.open_questions import OpenQuestions
 from mcpn.logic.syntax import parse
 from mcpn.nets.petri import NetBuilder, PetriNet
-from mcpn.spaces.names import Names
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.search.facts import Facts
 from mcpn.spaces.search.goal import Formula
 from mcpn.testing.nets import philosophers

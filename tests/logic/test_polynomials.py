@@ -17,7 +17,7 @@ from mcpn.logic.asking import Questions
 from mcpn.logic.contest import Property, read_properties
 from mcpn.logic.polynomials import Polynomial, added, multiplied, related
 from mcpn.nets.petri import NetBuilder, PetriNet
-from mcpn.spaces.names import Names
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.search.goal import as_goal, holds
 from tests.nets.nets import token_nets
 from tests.spaces.search.goals import all_markings

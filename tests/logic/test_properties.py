@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
-from mcpn.answers.names import MissionNames
+from mcpn.answers.mission_names import MissionNames
 from mcpn.answers.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check
 from mcpn.answers.verdicts.modes import functioning_modes
 from mcpn.drawing.compose import MissionNet, compose

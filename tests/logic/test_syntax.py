@@ -5,14 +5,14 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 
-from mcpn.answers.names import MissionNames
+from mcpn.answers.mission_names import MissionNames
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError, LimitError
 from mcpn.logic.formulas import EU
 from mcpn.logic.syntax import MAX_DEPTH, MAX_LENGTH, parse
 from mcpn.logic.writing import show
 from mcpn.nets.petri import NetBuilder
-from mcpn.spaces.names import Names
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.search.goal import And, AtMost, Fires, Formula, Not, Or, marked
 from tests.logic.formulas import Written, formulas
 from tests.logic.formulas import text as text_of

@@ -23,8 +23,8 @@ from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.engine_names import Engine, On
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.markings.explicit import explore
-from mcpn.spaces.names import Names
 from mcpn.spaces.search.goal import FALSE, TRUE
 from tests.logic.formulas import edges_of, formulas, read, satisfying
 from tests.nets.nets import nets, reachable, state_machines

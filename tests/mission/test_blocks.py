@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
-from mcpn.answers.names import MissionNames
+from mcpn.answers.mission_names import MissionNames
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError, LimitError
 from mcpn.logic.syntax import parse

@@ -11,7 +11,7 @@ from mcpn.mission.language.forms import NAMESPACE
 from mcpn.mission.model import FAIL, SUCCEED, Mission
 from mcpn.mission.writer import written
 from mcpn.testing import missions
-from mcpn.testing.names import renamed
+from mcpn.testing.awkward_names import renamed
 from tests.mission.test_declaration import ATTRIBUTES, DRAWN, tag_of
 
 REFERS = {

@@ -6,7 +6,7 @@ from itertools import combinations
 
 from hypothesis import event, given
 
-from mcpn.answers.causes.cutsets import CutSet, Moment
+from mcpn.answers.causes.minimal_cut_sets import CutSet, Moment
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.core.flattening import flatten

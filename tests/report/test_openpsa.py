@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from lxml import etree
 
-from mcpn.answers.causes.cutsets import CutSet, Moment
+from mcpn.answers.causes.minimal_cut_sets import CutSet, Moment
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective, Parallel

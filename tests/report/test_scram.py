@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from lxml import etree
 
-from mcpn.answers.causes.cutsets import CutSet
+from mcpn.answers.causes.minimal_cut_sets import CutSet
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission

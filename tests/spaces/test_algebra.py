@@ -27,7 +27,7 @@ from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.markings.masked import mask_of
 from mcpn.spaces.projections import ImageStore
 from mcpn.spaces.stable.alternatives import by_reduction
-from mcpn.spaces.stable.confluence import prove_confluent
+from mcpn.spaces.stable.confluence_by_sets import prove_confluent
 from mcpn.testing import missions
 from tests.draws import composed, fewer
 from tests.nets.nets import graph_of, state_machines

@@ -25,14 +25,14 @@ from mcpn.spaces.diagrams.internal_evolution import leading
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction, direct, direct_with_proof
-from mcpn.spaces.stable.confluence import (
+from mcpn.spaces.stable.confluence_by_ranks import open_conflicts
+from mcpn.spaces.stable.confluence_by_sets import (
     PROOF_BY_PATTERNS,
     PROOF_OF_ENDS,
     proof_of_conflicts,
     prove_confluent,
 )
-from mcpn.spaces.stable.falsification import fault_by, nearest_fault
-from mcpn.spaces.stable.open_conflicts import open_conflicts
+from mcpn.spaces.stable.nearest_nonconfluence import fault_by, nearest_fault
 from mcpn.spaces.stable.run_to_completion import PROOF_BY_MARKINGS, fault_after
 from mcpn.testing import missions
 from tests.nets.nets import cascades, conflicting_nets, graph_of, made_safe, nets, reachable, reordered

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, Unpack
 
-from mcpn.answers.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone, Unaided
+from mcpn.answers.causes.minimal_cut_sets import CutSet, CutSets, Moment, Nonmonotone, Unaided
 from mcpn.answers.causes.prospects import CriticalEvent, Goal, Prospects
 from mcpn.answers.spaces import MissionSubject, spaces_of
 from mcpn.answers.verdicts.unreachable import selected_and_entered
@@ -33,7 +33,7 @@ class GoalCauses(Told):
 
     Args:
         name: Of the mission or the objective.
-        moments: Minimal cut sets by moment, see :class:`mcpn.answers.causes.cutsets.Moment`.
+        moments: Minimal cut sets by moment, see :class:`mcpn.answers.causes.minimal_cut_sets.Moment`.
         critical: Events that lead into the losing region where nothing is repaired.
         critical_with_repairs: The same where hardware may be repaired.
         nonmonotone: A pair of sets for which more failures are better, where there is one.

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping, Set
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Generic
 
-from mcpn.answers.causes.cutsets import help_in_words
+from mcpn.answers.causes.minimal_cut_sets import help_in_words
 from mcpn.answers.causes.prospects import Goal
 from mcpn.answers.claims.claim import Assumes, Claim, Makers
 from mcpn.answers.claims.found import copies_by_name, plain_names

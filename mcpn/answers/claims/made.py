@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, Literal
 
-from mcpn.answers.causes.cutsets import help_in_words
+from mcpn.answers.causes.minimal_cut_sets import help_in_words
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.claims.asked import with_formulas
 from mcpn.answers.claims.claim import Assumes, Claim, Makers, made_by

@@ -5,7 +5,7 @@ from __future__ import annotations
 from mcpn.events import Event, What
 from mcpn.logic.ltl.formulas import SomePath, normal
 from mcpn.logic.writing import show
-from mcpn.spaces.names import Names
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.search.goal import And, Formula, Not, Or
 
 _WORDS = {

@@ -29,7 +29,7 @@ from mcpn.mission.requirement import (
     formulas_of,
 )
 from mcpn.sentences import enumeration
-from mcpn.spaces.names import Names
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.search.goal import FALSE, TRUE, And, Formula, Not, Or
 
 _Read = TypeVar("_Read")

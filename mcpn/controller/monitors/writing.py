@@ -15,7 +15,7 @@ from mcpn.robot.runtime.documents import MONITORS, MONITORS_VERSION
 from mcpn.robot.runtime.file_schema import digest_of
 from mcpn.robot.runtime.monitors import VALUES
 from mcpn.robot.targets.c import LONGEST_PREFIX, Array
-from mcpn.robot.targets.names import C_PREFIX_RESERVED, C_SIGNIFICANT, c_string, comment, identifiers
+from mcpn.robot.targets.identifiers import C_PREFIX_RESERVED, C_SIGNIFICANT, c_string, comment, identifiers
 from mcpn.robot.targets.render import render
 from mcpn.spaces.engine_names import EXPLICIT
 from mcpn.spaces.engines import Choice

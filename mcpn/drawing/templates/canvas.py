@@ -9,7 +9,7 @@ from functools import cached_property, partial
 from typing import Literal, Self, TypeAlias
 
 from mcpn.drawing.templates.interface import Meeting
-from mcpn.drawing.templates.names import names_of
+from mcpn.drawing.templates.net_names import names_of
 from mcpn.drawing.templates.ranks import Ranks
 from mcpn.errors import Source
 from mcpn.events import ENDING, Event, What

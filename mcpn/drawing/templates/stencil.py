@@ -15,7 +15,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from mcpn.drawing.templates.canvas import Canvas, Role, RoleName
 from mcpn.drawing.templates.level import element_of
-from mcpn.drawing.templates.names import NetNames
+from mcpn.drawing.templates.net_names import NetNames
 from mcpn.events import ENDING, Event
 from mcpn.mission.core.objectives_graph import ObjectivesGraph, Section, names_in
 from mcpn.nets.petri import EVENTS, Arcs, Draft, Place, Transition

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from mcpn.answers.causes.cutsets import CutSet, Unaided
 from mcpn.answers.causes.find import Causes, GoalCauses, Survival
+from mcpn.answers.causes.minimal_cut_sets import CutSet, Unaided
 from mcpn.answers.causes.prospects import CriticalEvent
 from mcpn.answers.claims import Claim
 from mcpn.events import Event

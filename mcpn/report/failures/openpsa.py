@@ -26,7 +26,7 @@ from typing import Literal, TypeAlias
 from lxml import etree
 
 from mcpn._kernel import Zdd
-from mcpn.answers.causes.cutsets import CutSet
+from mcpn.answers.causes.minimal_cut_sets import CutSet
 from mcpn.errors import LimitError
 from mcpn.mission.core.objectives_graph import (
     Branch,

@@ -20,8 +20,8 @@ from mcpn.report.words import folded
 from mcpn.sentences import counted, enumeration
 
 if TYPE_CHECKING:
-    from mcpn.answers.causes.cutsets import CutSet
     from mcpn.answers.causes.find import GoalCauses
+    from mcpn.answers.causes.minimal_cut_sets import CutSet
     from mcpn.answers.causes.risk import Risk
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from mcpn.answers.causes.cutsets import CutSet
 from mcpn.answers.causes.effects import Severity
 from mcpn.answers.causes.effects import in_words as cell_words
 from mcpn.answers.causes.find import Causes
 from mcpn.answers.causes.fmeca import Row
+from mcpn.answers.causes.minimal_cut_sets import CutSet
 from mcpn.answers.claims.claim import Claim, sentences
 from mcpn.answers.claims.unasked import MOST_TOLD, run_of
 from mcpn.drawing.compose import MissionNet

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from mcpn.answers.causes.cutsets import CutSet
+from mcpn.answers.causes.minimal_cut_sets import CutSet
 from mcpn.controller.likelihood import likelihood
 from mcpn.events import Event
 from mcpn.report.pages.token_game import position, stored

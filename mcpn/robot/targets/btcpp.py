@@ -11,7 +11,7 @@ from typing import Any
 
 from mcpn.events import START
 from mcpn.robot.targets.c import written
-from mcpn.robot.targets.names import c_string, comment
+from mcpn.robot.targets.identifiers import c_string, comment
 from mcpn.robot.targets.render import render
 from mcpn.robot.targets.tables import MachineNumbers, RuleNumbers
 

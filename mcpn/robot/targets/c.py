@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mcpn.robot.runtime.documents import FORMS
-from mcpn.robot.targets.names import C_PREFIX_RESERVED, C_SIGNIFICANT, c_string, comment, identifiers
+from mcpn.robot.targets.identifiers import C_PREFIX_RESERVED, C_SIGNIFICANT, c_string, comment, identifiers
 from mcpn.robot.targets.render import render, rows
 from mcpn.robot.targets.tables import MachineNumbers, RuleNumbers
 

@@ -14,8 +14,8 @@ from importlib.resources import files
 from typing import Any
 
 from mcpn.robot.targets.btcpp import held
+from mcpn.robot.targets.identifiers import PYTHON_KEYWORDS, comment, identifiers
 from mcpn.robot.targets.json import write_json
-from mcpn.robot.targets.names import PYTHON_KEYWORDS, comment, identifiers
 from mcpn.robot.targets.render import render
 
 PACKAGE = "mcpn.robot.runtime"

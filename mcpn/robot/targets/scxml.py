@@ -33,7 +33,7 @@ from lxml import etree
 from mcpn.events import START, Event, What
 from mcpn.robot.runtime.documents import ENDS
 from mcpn.robot.runtime.tables import Laws
-from mcpn.robot.targets.names import comment, identifiers
+from mcpn.robot.targets.identifiers import comment, identifiers
 
 NAMESPACE = "http://www.w3.org/2005/07/scxml"
 Row: TypeAlias = Mapping[str, Any]

@@ -21,7 +21,7 @@ from mcpn.events import Event
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.markings.graph import Ints, Mask, StateGraph
-from mcpn.spaces.stable.falsification import proved
+from mcpn.spaces.stable.nearest_nonconfluence import proved
 from mcpn.spaces.stable.run_to_completion import (
     MAX_STABLE_STATES,
     PROOF_BY_MARKINGS,
@@ -73,7 +73,7 @@ def by_reduction(graph: StateGraph) -> AlternativesGraph:
 
     See Also:
         :func:`direct`: the same graph without the markings between stable ones.
-        :func:`mcpn.spaces.stable.confluence.prove_confluent`: the proof without a list.
+        :func:`mcpn.spaces.stable.confluence_by_sets.prove_confluent`: the proof without a list.
     """
     ends = _stable_ends(graph)
     is_event = np.array([not t.internal for t in graph.net.transitions], np.bool_)

@@ -16,7 +16,7 @@ from hypothesis.stateful import RuleBasedStateMachine, precondition, rule
 from mcpn.drawing.compose import compose
 from mcpn.drawing.templates import TemplateSet
 from mcpn.drawing.templates.canvas import RoleName
-from mcpn.drawing.templates.names import names_of
+from mcpn.drawing.templates.net_names import names_of
 from mcpn.events import Event
 from mcpn.mission.model import Mission
 from mcpn.mission.static.resource_use import Usage

@@ -6,7 +6,7 @@ import numpy as np
 
 from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.templates.names import names_of
+from mcpn.drawing.templates.net_names import names_of
 from mcpn.report.words import situation_in_words
 from mcpn.robot.runtime.tables import Inside
 from mcpn.spaces.markings.graph import Ints

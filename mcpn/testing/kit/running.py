@@ -18,6 +18,7 @@ from mcpn.drawing.templates import PaperTemplates, TemplateSet
 from mcpn.errors import InputError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.testing import Shape, missions
+from mcpn.testing.awkward_names import renamed
 from mcpn.testing.data import data_sharing_missions
 from mcpn.testing.kit.corpus import MISSIONS, NEEDED_WHOLE
 from mcpn.testing.kit.language import as_the_language_says
@@ -25,7 +26,6 @@ from mcpn.testing.kit.properties import PROPERTIES, Property, behaves_as, no_dea
 from mcpn.testing.kit.properties import one_safe as one_safe
 from mcpn.testing.kit.smaller_missions import smaller_missions
 from mcpn.testing.kit.subject import MOST_MARKINGS, Subject, Violation
-from mcpn.testing.names import renamed
 from mcpn.testing.printing import as_xml
 from mcpn.testing.shape import UNCONTENDED
 

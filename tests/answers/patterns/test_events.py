@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from mcpn.answers.names import MissionNames
+from mcpn.answers.mission_names import MissionNames
 from mcpn.answers.patterns.catalogue import PUBLISHED, SCOPES
 from mcpn.answers.patterns.reading import read_pattern
 from mcpn.answers.verdicts.mission import check

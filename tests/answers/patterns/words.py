@@ -19,7 +19,7 @@ from mcpn.logic.formulas import EG, EU, EX
 from mcpn.logic.ltl.formulas import Next, Release, SomePath, Until
 from mcpn.logic.syntax import parse
 from mcpn.nets.petri import NetBuilder
-from mcpn.spaces.names import Names
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.search.goal import And, AtMost, Deadlock, Formula, Not, Or
 
 Truths: TypeAlias = npt.NDArray[np.bool_]

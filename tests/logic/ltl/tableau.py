@@ -16,7 +16,7 @@ from mcpn.logic.formulas import OPERATORS
 from mcpn.logic.ltl.formulas import Happens
 from mcpn.logic.syntax import ON_PATH, parse
 from mcpn.nets.petri import Marking, PetriNet
-from mcpn.spaces.names import Names
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.search.goal import Formula
 from tests.logic import formulas as on_states
 from tests.logic.formulas import Edges, Written

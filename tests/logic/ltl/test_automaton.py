@@ -22,7 +22,7 @@ from mcpn.logic.syntax import parse_open
 from mcpn.logic.writing import show
 from mcpn.nets.petri import NetBuilder
 from mcpn.spaces.components import strongly_connected
-from mcpn.spaces.names import Names
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.search.goal import And, Formula, Not, Or, marked
 from tests.commands import mcpn
 from tests.logic.ltl.translators import (

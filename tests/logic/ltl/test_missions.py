@@ -9,7 +9,7 @@ import pytest
 from hypothesis import event, given, reject
 from hypothesis import strategies as st
 
-from mcpn.answers.names import MissionNames
+from mcpn.answers.mission_names import MissionNames
 from mcpn.answers.spaces import spaces_of
 from mcpn.composite.composing import composite_space
 from mcpn.drawing.compose import MissionNet, compose

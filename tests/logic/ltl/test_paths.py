@@ -26,8 +26,8 @@ from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.engine_names import Asked
+from mcpn.spaces.formula_names import Names
 from mcpn.spaces.markings.explicit import explore
-from mcpn.spaces.names import Names
 from mcpn.spaces.search.goal import Formula
 from mcpn.turns import finished
 from tests.draws import fewer

@@ -24,7 +24,7 @@ from mcpn.nets.formats.pnml import REMARKS
 from mcpn.nets.formats.pnml_writer import write_pnml
 from mcpn.nets.formats.tina import write_tina
 from mcpn.nets.petri import NetBuilder, PetriNet
-from mcpn.spaces.names import Names
+from mcpn.spaces.formula_names import Names
 from tests.draws import fewer
 from tests.nets.formats.test_other_tools import EPNK, PIPE, PM4PY, TAPAAL, WOPED
 

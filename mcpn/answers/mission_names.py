@@ -18,7 +18,7 @@ from mcpn.mission.core.copies import Copies, grouped
 from mcpn.mission.model import Mission, Objective, walk
 from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.nets.petri import PetriNet
-from mcpn.spaces.names import ENDINGS, Names, known, unknown
+from mcpn.spaces.formula_names import ENDINGS, Names, known, unknown
 from mcpn.spaces.search.goal import FALSE, TRUE, Fires, Formula, marked
 
 ROLES = {
@@ -66,7 +66,7 @@ class MissionNames(Names):
         return super().place(name)
 
     def word(self, *said: str) -> Formula:
-        """What a word about the mission means; see :meth:`mcpn.spaces.names.Names.word`."""
+        """What a word about the mission means; see :meth:`mcpn.spaces.formula_names.Names.word`."""
         meaning = self._meaning(*said)
         if meaning not in (TRUE, FALSE):  # which other formulas mean as well
             self.said.setdefault(meaning, said)

@@ -7,8 +7,9 @@ Newman 1942; van Oostrom 2007), so that termination of the one run that is follo
 all of them. Where transitions have several ranks, the steps that must commute have ranks, too.
 
 Pairs of transitions whose arcs cannot conflict need no query. For each other pair, queries on the diagram
-of reachable markings decide whether it commutes everywhere (:mod:`mcpn.spaces.stable.confluence`). Pairs
-that need not commute are judged by exploring what is behind them (:mod:`mcpn.spaces.stable.confluence`).
+of reachable markings decide whether it commutes everywhere (:mod:`mcpn.spaces.stable.confluence_by_ranks`).
+Pairs that need not commute are judged by exploring what is behind them
+(:mod:`mcpn.spaces.stable.representatives`).
 """
 
 from __future__ import annotations
@@ -19,8 +20,8 @@ from mcpn.spaces.diagrams.encoding import distinct
 from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import reach
-from mcpn.spaces.stable.falsification import nearest_fault
-from mcpn.spaces.stable.open_conflicts import open_conflicts
+from mcpn.spaces.stable.confluence_by_ranks import open_conflicts
+from mcpn.spaces.stable.nearest_nonconfluence import nearest_fault
 from mcpn.spaces.stable.representatives import without_one_end
 from mcpn.spaces.stable.run_to_completion import fault_after
 

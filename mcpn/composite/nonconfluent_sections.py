@@ -1,8 +1,8 @@
 """Where a mission reaches an event without one outcome: the second premise of composition.
 
-The symbolic proof (:mod:`mcpn.spaces.stable.confluence`) is tried on the local net of each type, from every
-state of its hardware. Where it leaves conflicts open, what is behind the markings that the mission passes
-is explored, once for markings that evolve alike (:mod:`mcpn.spaces.stable.confluence`).
+The symbolic proof (:mod:`mcpn.spaces.stable.confluence_by_sets`) is tried on the local net of each type,
+from every state of its hardware. Where it leaves conflicts open, what is behind the markings that the
+mission passes is explored, once for markings that evolve alike (:mod:`mcpn.spaces.stable.representatives`).
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from mcpn.mission.core.objectives_graph import Section
 from mcpn.nets.petri import Marking
 from mcpn.spaces.diagrams.encoding import distinct
 from mcpn.spaces.diagrams.internal_evolution import behind, leading, passing
-from mcpn.spaces.stable.confluence import prove_confluent
-from mcpn.spaces.stable.falsification import fault_by
+from mcpn.spaces.stable.confluence_by_sets import prove_confluent
+from mcpn.spaces.stable.nearest_nonconfluence import fault_by
 from mcpn.spaces.stable.representatives import without_one_end
 from mcpn.spaces.stable.run_to_completion import fault_after
 from mcpn.steps import Doing, step
