@@ -166,6 +166,12 @@ def faults(request: pytest.FixtureRequest) -> Path:
 
 
 @pytest.fixture(scope="session")
+def trees(request: pytest.FixtureRequest) -> Path:
+    """The folder of behaviour trees that others wrote."""
+    return _folder(request, "--trees", "trees")
+
+
+@pytest.fixture(scope="session")
 def roscon(request: pytest.FixtureRequest) -> Path:
     """The folder of the workshop's worlds."""
     return _folder(request, "--roscon", "roscon")

@@ -255,11 +255,8 @@ def test_modes_of_the_mission_with_suaves_job_are_all_that_its_tree_changes_to()
     assert page.count("| search |") == 6
 
 
-def test_nav2s_default_tree(request: pytest.FixtureRequest, tmp_path: Path) -> None:
-    given = request.config.getoption("--trees")
-    if not given:
-        pytest.skip("needs a folder of behaviour trees: --trees")
-    found = python(FOLDER / "robots" / "nav2.py", "--trees", given)
+def test_nav2s_default_tree(trees: Path) -> None:
+    found = python(FOLDER / "robots" / "nav2.py", "--trees", trees)
     assert found.returncode == 0, found.stderr
     sets = ("controller_server", "lidar", "odometry", "planner_server", "wheels")
     fails = " or ".join(f"`{name}`" for name in sets)

@@ -50,10 +50,7 @@ OWN = {
 def folder(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     """Where the five missions are: ours, or those that were found."""
     if request.param == "found":
-        found = request.config.getoption("--faults")
-        if found is None:
-            pytest.skip("--faults is not given")
-        return Path(found)
+        return Path(request.getfixturevalue("faults"))
     for name, blocks in OWN.items():
         (tmp_path / f"{name}.xml").write_text(f"{HEAD.format(event='gust')}{blocks}</mission>")
     return tmp_path

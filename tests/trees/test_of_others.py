@@ -16,12 +16,9 @@ from mcpn.trees.ledger import Kind
 from mcpn.trees.reading import read_forest
 
 
-def test_trees_of_others_are_translated_or_refused_with_a_line(request: pytest.FixtureRequest) -> None:
-    given = request.config.getoption("--trees")
-    if not given:
-        pytest.skip("needs a folder of behaviour trees: --trees")
+def test_trees_of_others_are_translated_or_refused_with_a_line(trees: Path) -> None:
     large, unplaced = list[Kind](), list[Path]()
-    for path in sorted(Path(given).rglob("*.xml")):
+    for path in sorted(trees.rglob("*.xml")):
         try:
             forest = read_forest(path, library=["nav2=1.5"])
             made = translate(forest, "others", path.name)
@@ -55,24 +52,23 @@ READ = {
 }
 
 
-def fault(request: pytest.FixtureRequest, name: str) -> Path:
-    given = request.config.getoption("--faults")
-    found = sorted(Path(given).rglob(name)) if given else []
+def fault(faults: Path, name: str) -> Path:
+    found = sorted(faults.rglob(name))
     if not found:
         pytest.skip(f"needs a folder with {name}: --faults")
     return found[0]
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_files_that_libraries_refuse(name: str, request: pytest.FixtureRequest) -> None:
+def test_files_that_libraries_refuse(name: str, faults: Path) -> None:
     with pytest.raises(InputError, match=REFUSED[name]):
-        read_forest(fault(request, name))
+        read_forest(fault(faults, name))
 
 
 @pytest.mark.parametrize("name", READ)
-def test_files_that_were_read_wrongly(name: str, request: pytest.FixtureRequest) -> None:
+def test_files_that_were_read_wrongly(name: str, faults: Path) -> None:
     kind, read_as = READ[name]
-    made = translate(read_forest(fault(request, name)), "m", name)
+    made = translate(read_forest(fault(faults, name)), "m", name)
     assert made.ledger.kind is kind
     assert read_as in made.ledger.read_as
     failing = open_study(made.mission).verdicts().verdicts["failure_reachable"]
