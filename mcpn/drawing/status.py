@@ -18,9 +18,8 @@ from typing import NamedTuple, TypeAlias
 
 from mcpn.drawing.templates.canvas import Role
 from mcpn.events import Event, What
-from mcpn.mission.conditions import all_flags
+from mcpn.mission.conditions import all_flags, noticed
 from mcpn.mission.conditions import flags as flags_by_value
-from mcpn.mission.detection import noticed
 from mcpn.mission.robot import Crash, Fact, Hardware
 
 Element: TypeAlias = tuple[str, str]

@@ -9,7 +9,6 @@ from mcpn.did_you_mean import Hints
 from mcpn.errors import Problem, Source
 from mcpn.mission.language.datatypes import NAME
 from mcpn.mission.language.references import duplicates
-from mcpn.mission.left_by_facts import becoming_problems, of_missions
 from mcpn.mission.model import (
     ABORT,
     FAIL,
@@ -31,7 +30,8 @@ from mcpn.mission.model import (
 from mcpn.mission.passes.guards import guard_problems, of_branches
 from mcpn.mission.passes.name_clashes import clashes
 from mcpn.mission.passes.pauses import no_siblings, pause_problems
-from mcpn.mission.passes.siblings import problems as recoveries
+from mcpn.mission.passes.recovery import recovery_problems
+from mcpn.mission.passes.wholes import becoming_problems, of_missions
 from mcpn.mission.reason_errors import ReasonChecks
 from mcpn.mission.robot import Activity, Element
 
@@ -73,7 +73,7 @@ class BlockErrors:
         around = owner.handlers if isinstance(owner, Mission) else ()
         for siblings in _families(blocks):
             yield from self._routing(siblings)
-            yield from recoveries(siblings, around if siblings is blocks else ())
+            yield from recovery_problems(siblings, around if siblings is blocks else ())
             yield from pause_problems(siblings, blocks)
             yield from guard_problems(siblings)
         if isinstance(owner, Mission):

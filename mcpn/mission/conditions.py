@@ -178,6 +178,14 @@ def all_flags(fact: Fact) -> tuple[str, ...]:
     return (*changed, *(f"{fact.name}={value}" for value in others))
 
 
+def noticed(hardware: str) -> str:
+    """What may be true of hardware that is detected late: it is out of service, and the robot knows it.
+
+    Controllers carry it from section to section beside the flags of facts, whose names have no space.
+    """
+    return f"{hardware} known"
+
+
 def is_boolean(fact: Fact) -> bool:
     """Whether a fact is false or true, so that its name alone says that it is true.
 

@@ -1,12 +1,12 @@
-"""What is wrong with hardware and with faults as robots declare them: rates, repairs, what is affected."""
+"""What is wrong with hardware and faults as robots declare them: rates, repairs, effects, late detection."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from mcpn.did_you_mean import Hints
 from mcpn.errors import Problem
-from mcpn.mission.robot import Fault, Hardware, Robot
+from mcpn.mission.robot import Activity, Fault, Hardware, Robot
 
 
 def failure_errors(robots: Sequence[Robot], hints: Hints) -> Iterator[Problem]:
@@ -62,3 +62,38 @@ def _repaired(element: Hardware | Fault) -> Iterator[Problem]:
     """A problem where hardware, or a fault, that is not repairable has a rate of repairs."""
     if element.repair_rate:
         yield Problem(element.source, f"{element.name} has a repair_rate, though it is not repairable")
+
+
+def detection_errors(
+    activity: Activity, hardware: Mapping[str, Hardware], known: Collection[str], hints: Hints
+) -> Iterator[Problem]:
+    """What is wrong with the losses that an activity detects.
+
+    Args:
+        activity: The activity.
+        hardware: All that robots declare, by name.
+        known: The names of all resources.
+        hints: Finds what unknown names may have been meant as.
+    """
+    if activity.detection_rate is not None and not activity.detects:
+        yield Problem(activity.source, f"activity {activity.name} has a detection_rate, but detects nothing")
+    for name in dict.fromkeys(activity.detects):
+        said = f"activity {activity.name} detects {name}"
+        if name in hardware and hardware[name].detected != "late":
+            yield Problem(
+                activity.source, f"{said}, whose loss is known at once: say that it is detected late"
+            )
+        elif name not in hardware and name in known:
+            yield Problem(activity.source, f"{said}, which is no hardware")
+        elif name not in hardware:
+            yield Problem(activity.source, f"{said}, which is not declared{hints.known(name, hardware)}")
+
+
+def detected_twice(activities: Iterable[Activity]) -> Iterator[Problem]:
+    """Hardware whose loss several activities detect."""
+    detector: dict[str, str] = {}
+    for activity in activities:
+        for name in dict.fromkeys(activity.detects):
+            if (other := detector.setdefault(name, activity.name)) != activity.name:
+                message = f"activities {other} and {activity.name} both detect {name}, expected one of them"
+                yield Problem(activity.source, message)

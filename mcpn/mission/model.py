@@ -223,6 +223,11 @@ class BlockElement(Element):
     ] = ()
 
     @property
+    def left_by_facts(self) -> bool:
+        """Whether it is left when facts become so."""
+        return any(handler.when for handler in self.handlers)
+
+    @property
     def own(self) -> str:
         """Its name, without what says that it is all there is in a block that is stopped as a whole."""
         return self.name.removesuffix(WHOLE)

@@ -8,7 +8,6 @@ from math import fsum
 from mcpn.did_you_mean import did_you_mean
 from mcpn.errors import Problem
 from mcpn.mission.language.datatypes import REASON, REASONS, SHARES
-from mcpn.mission.left_by_facts import left_by_facts
 from mcpn.mission.model import Block, Each, Objective, Parallel, Protocol, Recursive, Use
 from mcpn.mission.reasons import is_whole, reason, reasons_of
 from mcpn.mission.robot import Activity
@@ -82,7 +81,7 @@ class ReasonChecks:
                 kind = "holds blocks and has a timeout"
                 if isinstance(block, Parallel):
                     kind = "is a parallel block"
-                elif left_by_facts(block):
+                elif block.left_by_facts:
                     kind = "has <on when>"
                 message = f"{what} names the reason {route.reason}, though {block.name} {kind}"
                 remedy = "it fails as a whole, for no reason: put the route on a block inside"

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from mcpn.mission.left_by_facts import left_by_facts
 from mcpn.mission.model import Block, Objective, Parallel
 from mcpn.mission.robot import Activity
 
@@ -74,7 +73,7 @@ def is_whole(block: Block) -> bool:
     """
     if isinstance(block, Parallel):
         return True
-    by_facts = left_by_facts(block)
+    by_facts = block.left_by_facts
     if isinstance(block, Objective):
         return by_facts and bool(block.retries or block.repeat)
     return by_facts or block.timeout is not None

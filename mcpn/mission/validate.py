@@ -11,10 +11,9 @@ from mcpn.did_you_mean import Hints
 from mcpn.errors import InputError, Problem
 from mcpn.mission.block_errors import BlockErrors, undeclared
 from mcpn.mission.crash_errors import crash_errors, standing_errors
-from mcpn.mission.detection import detected_twice, detection_errors
 from mcpn.mission.fact_errors import fact_errors
 from mcpn.mission.field_types import wrong_types
-from mcpn.mission.hardware_errors import failure_errors
+from mcpn.mission.hardware_errors import detected_twice, detection_errors, failure_errors
 from mcpn.mission.language.datatypes import CORE_NAME, NAME, Interval
 from mcpn.mission.language.forms import form_of
 from mcpn.mission.language.references import cycles, duplicates, repeats, unseen

@@ -7,7 +7,6 @@ from typing import Literal, TypeVar
 
 from hypothesis import strategies as st
 
-from mcpn.mission.left_by_facts import becoming_problems, left_by_facts
 from mcpn.mission.model import (
     ABORT,
     FAIL,
@@ -27,7 +26,9 @@ from mcpn.mission.model import (
 )
 from mcpn.mission.passes.guards import guard_problems
 from mcpn.mission.passes.pauses import pause_problems
-from mcpn.mission.passes.siblings import helping, problems
+from mcpn.mission.passes.recovery import recovery_problems
+from mcpn.mission.passes.siblings import helping
+from mcpn.mission.passes.wholes import becoming_problems
 from mcpn.mission.reason_errors import ReasonChecks
 from mcpn.mission.reasons import is_whole, reason
 from mcpn.mission.robot import DeclaredEvent, Robot
@@ -82,7 +83,7 @@ class MissionDrawing(RobotDrawing):
                 ),
             ),
             protocols=tuple(protocol for protocol, _, _ in self.protocols),
-            handlers=() if any(problems(blocks, handlers)) else handlers,
+            handlers=() if any(recovery_problems(blocks, handlers)) else handlers,
         )
 
     def event(self, name: str) -> DeclaredEvent:
@@ -118,13 +119,13 @@ class MissionDrawing(RobotDrawing):
         for place, each in enumerate(found):
             leaving = self.becoming(each, [b.name for b in found])
             others = (*found[:place], leaving, *found[place + 1 :])
-            found = others if leaving is not each and not any(problems(others, ())) else found
+            found = others if leaving is not each and not any(recovery_problems(others, ())) else found
         return found, taken
 
     def left_inside(self, block: Block) -> bool:
         """Whether facts may leave a block, or something in it: no event pauses it then."""
         uses = self.shape.becoming > 0
-        return any(left_by_facts(inner) or (uses and isinstance(inner, Use)) for inner in walk((block,)))
+        return any(inner.left_by_facts or (uses and isinstance(inner, Use)) for inner in walk((block,)))
 
     def becoming(self, block: Block, siblings: list[str]) -> Block:
         """A block that stands among some siblings, perhaps left when facts become so, where it may be."""
@@ -150,7 +151,7 @@ class MissionDrawing(RobotDrawing):
             guards = (EntryGuard(when=self.condition(), otherwise=self.draw(st.sampled_from(targets))),)
             block = replace(blocks[place], guards=guards)
             found = (*blocks[:place], block, *blocks[place + 1 :])
-            blocks = blocks if any((*guard_problems(found), *problems(found, ()))) else found
+            blocks = blocks if any((*guard_problems(found), *recovery_problems(found, ()))) else found
         return blocks
 
     def recovering(self, blocks: tuple[Block, ...]) -> tuple[Block, ...]:
@@ -160,7 +161,7 @@ class MissionDrawing(RobotDrawing):
         block, by = self.draw(st.permutations(blocks))[:2]
         found = replace(block, recover=by.name, times=self.number(1, 2))
         recovering = tuple(found if other is block else other for other in blocks)
-        return blocks if any(problems(recovering, ())) else recovering
+        return blocks if any(recovery_problems(recovering, ())) else recovering
 
     def pausing(self, blocks: tuple[Block, ...]) -> tuple[Block, ...]:
         """A series, perhaps with a block that pauses while another one is run, where it may."""
@@ -177,7 +178,7 @@ class MissionDrawing(RobotDrawing):
         handler = Handler(event=on, pause=by.name, once=once, description=self.description())
         handlers = (*(other for other in block.handlers if other.event != on), handler)
         pausing = tuple(replace(b, handlers=handlers) if b is block else b for b in blocks)
-        return blocks if any((*pause_problems(pausing, ()), *problems(pausing, ()))) else pausing
+        return blocks if any((*pause_problems(pausing, ()), *recovery_problems(pausing, ()))) else pausing
 
     def led(self, blocks: tuple[Block, ...]) -> tuple[Block, ...]:
         """A series, perhaps with a route to a block that is run for another, where it may be."""
@@ -187,7 +188,7 @@ class MissionDrawing(RobotDrawing):
         by, way = self.draw(st.sampled_from(helpers)), self.draw(st.sampled_from(["failure", "abort"]))
         block = self.draw(st.sampled_from([other for other in blocks if other.name != by]))
         led = tuple(replace(b, **{way: by}) if b is block else b for b in blocks)  # type: ignore[arg-type]
-        return blocks if any(problems(led, ())) else led
+        return blocks if any(recovery_problems(led, ())) else led
 
     def routed(self, block: Block, index: int, blocks: list[Block]) -> Block:
         """A block of a series with its routes and handlers."""

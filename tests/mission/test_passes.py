@@ -14,7 +14,7 @@ from mcpn.mission.core.copies import Copies
 from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import Each, FactRoute, Handler, Mission, Objective, Parallel, Recursive, Use, walk
 from mcpn.mission.passes import PASSES, core
-from mcpn.mission.passes.siblings import problems
+from mcpn.mission.passes.recovery import recovery_problems
 from mcpn.mission.robot import Crash, DeclaredEvent, Fact, Hardware
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import read_mission
@@ -453,5 +453,5 @@ def test_runs_of_one_block_are_looked_for_once(monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.setattr(Objective, "stem", property(stem))
     siblings = tuple(Objective(name=f"o{i}", activities=("a",)) for i in range(50))
-    assert list(problems(siblings, ())) == []
+    assert list(recovery_problems(siblings, ())) == []
     assert len(asked) <= 2 * len(siblings)
