@@ -44,7 +44,6 @@ from mcpn.mission.model import (
 from mcpn.mission.passes import core
 from mcpn.mission.passes.limits import Counted
 from mcpn.mission.passes.pauses import runs_for
-from mcpn.mission.passes.siblings import following
 from mcpn.mission.reasons import probabilities, reason
 from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.mission.validate import valid
@@ -115,13 +114,13 @@ class _Flattening:
         """
         routes = {block.name: Destination(self.entry(block)) for block in blocks} | exits
         scope = self.handling(scope, around, routes, "")
-        after = following(blocks)
         for block in blocks:
-            success = block.success or after[block.name]
             inner = self.handling(scope, block.handlers, routes, block.written)
             failure = block.failure or FAIL
             late = block.timeout_goto or failure
-            leads = Destinations(routes[success], routes[failure], routes[block.abort or ABORT], routes[late])
+            leads = Destinations(
+                routes[block.success or SUCCEED], routes[failure], routes[block.abort or ABORT], routes[late]
+            )
             leads = deciding(block, routes, leads, self.facts, copy=block.stem == whole)
             leads = leads._replace(becoming=self.becoming(block, routes))
             if block.resumes is not None:

@@ -29,10 +29,12 @@ from mcpn.mission.passes.reasons import reasons
 from mcpn.mission.passes.recovery import recovery
 from mcpn.mission.passes.repeat import repeat
 from mcpn.mission.passes.retries import retries
+from mcpn.mission.passes.successors import successors
 from mcpn.mission.passes.uses import uses
 from mcpn.mission.passes.wholes import becoming, timeouts
 
 PASSES: tuple[Callable[[Mission], Mission], ...] = (
+    successors,
     uses,
     becoming,
     repeat,

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from mcpn.mission.model import SUCCEED, Block, Each, Mission, Recursive
 from mcpn.mission.passes.copying import copied, led
 from mcpn.mission.passes.parameters import with_parameter
 from mcpn.mission.passes.rewriting import common, rewritten
-from mcpn.mission.passes.siblings import following
 from mcpn.mission.robot import Parameter
 
 
@@ -20,13 +17,11 @@ def each(mission: Mission) -> Mission:
 def _written_out(block: Block) -> Block:
     if not isinstance(block, Each):
         return block
-    after = following(block.blocks)
-    inside = [child if child.success else replace(child, success=after[child.name]) for child in block.blocks]
     made = list[Block]()
     for value, next_ in zip(block.values, (*block.values[1:], None), strict=True):
         said = Parameter(name=block.bound, value=value, source=block.source)
-        names = {child.name: f"{child.own}_{value}" for child in inside}
+        names = {child.name: f"{child.own}_{value}" for child in block.blocks}
         if next_ is not None:
-            names[SUCCEED] = f"{inside[0].own}_{next_}"
-        made += (copied(with_parameter(child, said), value, **led(child, names)) for child in inside)
+            names[SUCCEED] = f"{block.blocks[0].own}_{next_}"
+        made += (copied(with_parameter(child, said), value, **led(child, names)) for child in block.blocks)
     return Recursive(**common(block), parameters=block.parameters, blocks=tuple(made))

@@ -17,7 +17,7 @@ from mcpn.mission.fact_cases import Destination, FactCase, by_facts
 from mcpn.mission.language.references import cycles
 from mcpn.mission.model import FAIL, UNNAMED, Block, FactRoute, Handler, Mission, Parallel, walk
 from mcpn.mission.passes.rewriting import in_series
-from mcpn.mission.passes.siblings import following, helping
+from mcpn.mission.passes.siblings import helping
 from mcpn.mission.robot import Fact
 
 _BY_OUTCOME = {"success": "success", "failure": "failure", "abort": "abort", "timeout": "timeout_goto"}
@@ -69,17 +69,16 @@ class _Guarded:
         """The blocks, choosing by facts; guards of those that nothing leads to stay, and change nothing."""
         if not self.leads:
             return self.blocks
-        after = following(self.blocks)
-        made = [self.block(block, after[block.name]) for block in self.blocks]
+        made = [self.block(block) for block in self.blocks]
         return tuple(replace(block, guards=()) if block.name in self.led else block for block in made)
 
-    def block(self, block: Block, after: str) -> Block:
-        """A block whose routes choose; the next one is where its success leads by default."""
+    def block(self, block: Block) -> Block:
+        """A block whose routes choose."""
         changes, routes = dict[str, Any](), list[FactRoute]()
         for route in block.routes:
             routes += self.routes(route)
         for on, name in _BY_OUTCOME.items():
-            target = getattr(block, name) or (after if on == "success" else None)
+            target = getattr(block, name)
             if target in self.leads:
                 lead = self.to(target)
                 routes += self.cases(lead.cases, block.source, on=on)

@@ -15,7 +15,7 @@ from mcpn.errors import InputError, Problem
 from mcpn.mission.model import FAIL, UNNAMED, Block, Handler, Mission, Objective, Parallel, Recursive, walk
 from mcpn.mission.passes.copying import copied
 from mcpn.mission.passes.limits import Counted
-from mcpn.mission.passes.siblings import entered, following, pausing, recovering
+from mcpn.mission.passes.siblings import entered, pausing, recovering
 
 
 def pauses(mission: Mission) -> Mission:
@@ -52,7 +52,7 @@ class _PauseCopies:
         """A series with copies of its blocks that run while others pause, under handlers that lead to it."""
         if not pausing(blocks):
             return tuple([self.inside(block) for block in blocks])
-        after, named = following(blocks), {block.name: block for block in blocks}
+        named = {block.name: block for block in blocks}
         aside = {*recovering(blocks), *pausing(blocks)} - entered(blocks, around)
         known = {(block.resumes, runs_for(block)) for block in blocks if block.resumes}
         runs, made = dict[str, tuple[int, set[str]]](), list[Block]()
@@ -60,7 +60,7 @@ class _PauseCopies:
             if block.name in aside & self.helping:
                 continue  # of one that helps none it is said that it is never entered
             begin, names = len(made), set[str]()
-            made.append(self.inside(_explicit(block, after[block.name])))
+            made.append(self.inside(block))
             if not any(handler.pause for handler in block.handlers):
                 continue
             last = next((each.fails_as for each in block.handlers if each.fails_as), block.name)
@@ -115,11 +115,6 @@ class _PauseCopies:
 def runs_for(copy: Block) -> str:
     """The name of the sibling that a copy which resumes something is one of, as the handlers name it."""
     return copy.own[: len(copy.own) - len(copy.copy[-1]) - 1] if copy.copy else copy.name
-
-
-def _explicit(block: Block, after: str) -> Block:
-    """A block that says where its success leads, whatever stands behind it."""
-    return block if block.resumes else replace(block, success=block.success or after)
 
 
 def _stopped(blocks: Iterable[Block], around: Sequence[tuple[str, Handler]] = ()) -> Iterator[_Stopped]:

@@ -17,7 +17,7 @@ from mcpn.errors import Problem
 from mcpn.mission.model import FAIL, UNNAMED, Block, Handler, Mission
 from mcpn.mission.passes.copying import copied, handled, led
 from mcpn.mission.passes.rewriting import in_series
-from mcpn.mission.passes.siblings import entered, following, helping, pausing, recovering, routes_among
+from mcpn.mission.passes.siblings import entered, helping, pausing, recovering, routes_among
 
 
 def recovery(mission: Mission) -> Mission:
@@ -31,14 +31,13 @@ def _written_out(siblings: tuple[Block, ...], around: Sequence[Handler]) -> tupl
     helpers = recovering(siblings)
     if not helpers:
         return siblings
-    after, named = following(siblings), {block.name: block for block in siblings}
+    named = {block.name: block for block in siblings}
     aside = helping(siblings) - entered(siblings, around) - pausing(siblings).keys()
     names = _first_runs(siblings)
     made = list[Block]()
     for block in siblings:
         if block.name in helpers and block.name in aside:
             continue  # nothing but its copies is ever entered
-        block = replace(block, success=block.success or after[block.name])
         if block.recover is None:
             made.append(replace(block, **led(block, names)))
         else:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mcpn.mission.model import ROUND, Block, Mission
+from mcpn.mission.model import ROUND, SUCCEED, Block, Mission
 from mcpn.mission.passes.copying import copied, holding, one_copy
 from mcpn.mission.passes.parameters import with_parameter
 from mcpn.mission.passes.rewriting import rewritten
@@ -19,7 +19,7 @@ def _written_out(block: Block) -> Block:
         return block
     alone, rounds = one_copy(block, repeat=None), list[Block]()
     for number in range(1, block.repeat + 1):
-        success = f"{block.own}_{number + 1}" if number < block.repeat else None
+        success = f"{block.own}_{number + 1}" if number < block.repeat else SUCCEED
         said = Parameter(name=ROUND, value=str(number), source=block.source)
         rounds.append(copied(with_parameter(alone, said), str(number), success=success))
     return holding(block, rounds)
