@@ -39,7 +39,7 @@ def test_a_printed_core_mission_is_answered_as_the_mission(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (("--pass", "none"), "found --pass none, expected one of uses, "),
+        (("--pass", "none"), "found --pass none, expected one of done, "),
         (("--pass", "uses", "out.xml"), "expected no TARGET"),
         (("--pass", "uses", "--json"), "expected no TARGET"),
         ((), "Missing argument 'TARGET'"),

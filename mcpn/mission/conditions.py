@@ -120,7 +120,7 @@ def facts_of(mission: Mission) -> dict[str, Fact]:
         >>> facts_of(Mission(name="m", robots=(robot,), blocks=()))["holding"].values
         ('false', 'true')
     """
-    found = {fact.name: fact for fact in mission.facts}
+    found = {fact.name: fact for fact in mission.every_fact}
     for name in dict.fromkeys(word(text).fact for text in conditions(mission)):
         if name not in found and objective_done(name) is not None:
             found[name] = Fact(name=name)

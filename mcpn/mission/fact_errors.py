@@ -35,7 +35,7 @@ class _FactChecks:
     def __init__(self, mission: Mission, hints: Hints) -> None:
         self.mission = mission
         self.hints = hints
-        self.facts = {fact.name: fact for fact in mission.facts}
+        self.facts = {fact.name: fact for fact in mission.every_fact}
         texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
         self.blocks: list[Block] = [block for blocks in texts for block in walk(blocks)]
         self.changing = {event.name for event in mission.events if event.changes_facts}

@@ -486,7 +486,12 @@ class Mission(Drawn, Element):
 
     @property
     def facts(self) -> tuple[Fact, ...]:
-        """All facts that it declares, in document order."""
+        """All facts that its author declares, in document order."""
+        return tuple(fact for fact in self.every_fact if "(" not in fact.name)
+
+    @property
+    def every_fact(self) -> tuple[Fact, ...]:
+        """Those, and in a core mission what objectives have done (``done(x)``)."""
         return tuple(fact for robot in self.robots for fact in robot.facts)
 
     @property

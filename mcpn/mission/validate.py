@@ -25,7 +25,7 @@ from mcpn.mission.model import (
     walk,
 )
 from mcpn.mission.requirement import Requirement
-from mcpn.mission.robot import Activity, Crash, Described, Element, Parameter
+from mcpn.mission.robot import Activity, Crash, Described, Element, Fact, Parameter
 
 MAX_CONSUMED = 1_000
 """Resources of one alternative: the net has arcs from the loss of each to all the others."""
@@ -94,7 +94,7 @@ class _Checks:
         resources = (*mission.hardware, *mission.faults, *mission.software)
         yield from duplicates("resource", resources)
         yield from duplicates("activity", mission.activities)
-        yield from duplicates("fact", mission.facts)
+        yield from duplicates("fact", mission.every_fact)
         yield from duplicates("event", mission.events)
         yield from duplicates("protocol", mission.protocols)
         for requirements in (mission.requirements, *(p.requirements for p in mission.protocols)):
@@ -130,7 +130,9 @@ class _Checks:
 
     def attributes(self, element: Element) -> Iterator[Problem]:
         """What one element says, by itself."""
-        datatype = CORE_NAME if self.mission.core and isinstance(element, BlockElement | Crash) else NAME
+        datatype = (
+            CORE_NAME if self.mission.core and isinstance(element, BlockElement | Crash | Fact) else NAME
+        )
         if not datatype.matches(element.name):
             found = f"the name {element.name!r} is not allowed"
             yield Problem(element.source, f"{found}, expected {datatype.expected}")

@@ -7,7 +7,7 @@ from dataclasses import replace
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from mcpn.mission.model import Each, EntryGuard, Handler, Mission, Recursive, walk
+from mcpn.mission.model import Each, EntryGuard, FactRoute, Handler, Mission, Recursive, walk
 from mcpn.mission.passes import PASSES, core
 from mcpn.mission.passes.pauses import runs_for
 from mcpn.mission.robot import Activity
@@ -149,6 +149,18 @@ def test_the_judge_gives_the_same_before_and_after_routes_for_reasons_are_on_all
         rewritten = core(written, until="named_failures")
         assert rewritten.blocks != written.blocks
         assert alike(Interpreter(written), Interpreter(rewritten)) > 3
+
+
+def test_the_judge_gives_the_same_before_and_after_what_is_done_is_a_fact() -> None:
+    """Whichever round has done it, and whether it is asked for by a route, a guard or ``<on when>``."""
+    again = FactRoute(when=("!done(x)",), goto="w", on="failure"), FactRoute(when=("done(v)",), goto="fail")
+    within = Recursive(name="w", blocks=(go("x", failure="succeed"), go("v")), repeat=2, routes=again)
+    left = go("l", handlers=(Handler(when=("done(v)",), goto="b"),), success="w")
+    of = mission(ROBOT, left, within, go("b", EntryGuard(when=("done(l)",), otherwise="fail")))
+    rewritten = core(of, until="done")
+    assert [fact.name for fact in rewritten.every_fact][-3:] == ["done(v)", "done(x)", "done(l)"]
+    assert alike(Interpreter(of), Interpreter(rewritten)) > 10
+    assert alike(Interpreter(of), Interpreter(core(rewritten, until="successors"))) > 10
 
 
 def test_the_judge_gives_the_same_before_and_after_early_ends_are_counted() -> None:

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from mcpn.errors import InputError, LimitError, Problem
 from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import Block, Each, Mission, Objective, Parallel, Protocol, Recursive
-from mcpn.mission.passes.limits import MAX_NESTING
+from mcpn.mission.rewriting.limits import MAX_NESTING
 from mcpn.mission.robot import Activity, Alternative, Robot
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.validate import find_errors

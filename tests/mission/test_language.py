@@ -485,7 +485,7 @@ def test_there_may_be_as_many_objectives_as_the_limit_says(
     blocks += f'<objective name="o" activities="go" {copies}="{number - (copies == "retries")}"/>'
     found = mission(tmp_path_factory.mktemp("limit"), blocks)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("mcpn.mission.passes.limits.MAX_OBJECTIVES", most)
+        patch.setattr("mcpn.mission.rewriting.limits.MAX_OBJECTIVES", most)
         if number + alone > most:
             patch.setattr("mcpn.mission.passes.PASSES", None)  # it is refused before a copy is made
             with pytest.raises(LimitError, match=f"more than {most} objectives"):

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from mcpn.errors import LimitError
-from mcpn.mission.passes import limits
-from mcpn.mission.passes.limits import Counted, measure
+from mcpn.mission.rewriting import limits
+from mcpn.mission.rewriting.limits import Counted, measure
 from tests.mission.test_language import mission
 
 

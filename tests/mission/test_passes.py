@@ -248,6 +248,70 @@ def test_reasons_of_activities_stand_on_the_objectives_that_run_them(tmp_path: P
     assert read_mission(path) == written  # though the protocol that nothing uses asks for a reason, too
 
 
+DONE = """<mission name="m" xmlns="urn:mcpn:mission:1">
+  <robot name="r"><fact name="sunny"/><activity name="a" requires="!done(late)"/></robot>
+  <protocols><protocol name="p">
+    <objective name="look" activities="a"><sets fact="sunny" to="true"/></objective>
+    <objective name="late" activities="a"/>
+  </protocol></protocols>
+  <requirement name="seen" formula="F done(look)"/>
+  <use name="twice" protocol="p" repeat="2"/>
+  <objective name="o" activities="a"/>
+</mission>"""
+
+
+def test_what_objectives_have_done_is_a_fact_that_each_copy_of_them_sets(tmp_path: Path) -> None:
+    (path := tmp_path / "m.xml").write_text(DONE)
+    written = core(of := read_mission(path))
+    declared = ["sunny", "done(late)", "done(look)"]
+    assert [fact.name for fact in written.every_fact] == declared
+    assert written.facts == of.facts == of.every_fact
+    changes = {
+        block.name: [(change.fact, change.to, change.occasion) for change in block.sets]
+        for block in walk(written.blocks)
+        if isinstance(block, Objective)
+    }
+    look = [("sunny", "true", "success"), ("done(look)", "true", "success")]
+    late = [("done(late)", "true", "success")]
+    rounds = {f"twice_{n}.{name}": sets for n in (1, 2) for name, sets in (("look", look), ("late", late))}
+    assert changes == {**rounds, "o": []}
+    path.write_bytes(text := write_mission(written))
+    assert read_mission(path) == written
+    assert core(read_mission(path)) == written
+    path.write_bytes(text.replace(b' core="true"', b""))
+    with pytest.raises(InputError, match=r"name of <fact> is 'done\(late\)'"):
+        read_mission(path)
+
+
+FOLLOWING = """<each name="n" in="p q">
+    <objective name="x" activities="a"/>
+    <parallel name="y"><objective name="v" activities="a"/><objective name="w">
+      <objective name="s" activities="a" recover="t"/><objective name="t" activities="a"/>
+    </objective></parallel>
+    <objective name="z" activities="a"/>
+  </each>
+  <objective name="last" activities="a" failure="n"/>"""
+
+
+def test_blocks_say_where_success_leads_but_for_children_of_parallel_blocks(tmp_path: Path) -> None:
+    path = tmp_path / "m.xml"
+    robot = '<robot name="r"><activity name="a"/></robot>'
+    path.write_text(f'<mission name="m" xmlns="urn:mcpn:mission:1">{robot}{FOLLOWING}</mission>')
+    written = core(read_mission(path), until="successors")
+    assert {block.name: block.success for block in walk(written.blocks)} == {
+        "n": "last",
+        "x": "y",
+        "y": "z",
+        "z": "succeed",
+        "last": "succeed",
+        "v": None,
+        "w": None,
+        "s": "succeed",
+        "t": "succeed",
+    }
+    assert [block.failure for block in written.blocks] == [None, "n"]
+
+
 PAUSING = """<objective name="way" success="rest" failure="rest">
     <route on="failure" when="sunny" goto="fail"/>
     <on event="stop" pause="shelter"/>

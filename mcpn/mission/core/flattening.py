@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from mcpn.mission.conditions import facts_of, resolved
+from mcpn.mission.conditions import resolved
 from mcpn.mission.core.copies import Copies
 from mcpn.mission.core.destinations import Destinations, deciding
 from mcpn.mission.core.objectives_graph import (
@@ -42,10 +42,9 @@ from mcpn.mission.model import (
     walk,
 )
 from mcpn.mission.passes import core
-from mcpn.mission.passes.limits import Counted
 from mcpn.mission.passes.pauses import runs_for
 from mcpn.mission.reasons import probabilities, reason
-from mcpn.mission.robot import BOOLEAN_VALUES
+from mcpn.mission.rewriting.limits import Counted
 from mcpn.mission.validate import valid
 
 
@@ -78,7 +77,7 @@ class _Flattening:
         self.requirements = {each.name: ("", each) for each in mission.requirements}
         self.written_out = core(mission)
         self.positions = Copies()
-        self.facts = facts_of(mission)
+        self.facts = {fact.name: fact for fact in self.written_out.every_fact}
         copies = (block for block in walk(self.written_out.blocks) if block.resumes is not None)
         self.resuming = {(block.resumes, runs_for(block)): self.entry(block) for block in copies}
         """By what is stopped, and the sibling that is run meanwhile, the section that is entered then."""
@@ -257,7 +256,5 @@ class _Flattening:
         )
 
     def settings(self, block: Objective) -> tuple[Setting, ...]:
-        """The facts that an objective changes; that it has succeeded is one where something reads that."""
-        said = tuple(Setting(change.fact, change.to, change.occasion) for change in block.sets)
-        done = f"done({block.written})"
-        return (*said, Setting(done, BOOLEAN_VALUES[True], "success")) if done in self.facts else said
+        """The facts that an objective changes."""
+        return tuple([Setting(change.fact, change.to, change.occasion) for change in block.sets])

@@ -72,10 +72,10 @@ NAME = Datatype(
 CORE_NAME = replace(
     NAME,
     pattern=rf"{_LETTER}{_CHARACTER}*(\.{_CHARACTER}+)*|timed out"
-    rf"|fail (without reason|{_LETTER}{_CHARACTER}*)",
+    rf"|fail (without reason|{_LETTER}{_CHARACTER}*)|done\({_LETTER}[A-Za-z0-9_.]*\)",
     expected="letters, digits and _, no digit first, perhaps qualified by other names: visit_12.travel",
 )
-"""A name in core missions, or an exit that no author needs: time is over, a failure has no reason, or one."""
+"""A name in core missions, or what no author names: exits (time is over, a reason or none), `done(x)`."""
 NAMES = Datatype(
     "names",
     "names",

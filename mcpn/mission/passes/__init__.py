@@ -17,11 +17,11 @@ from dataclasses import replace
 
 from mcpn.mission.model import Mission
 from mcpn.mission.passes.crashes import crashes
+from mcpn.mission.passes.done import done
 from mcpn.mission.passes.each import each
 from mcpn.mission.passes.early_ends import early_ends
 from mcpn.mission.passes.faults import faults
 from mcpn.mission.passes.guards import guards
-from mcpn.mission.passes.limits import measure
 from mcpn.mission.passes.named_failures import named_failures
 from mcpn.mission.passes.parameters import parameters
 from mcpn.mission.passes.pauses import pauses
@@ -32,8 +32,10 @@ from mcpn.mission.passes.retries import retries
 from mcpn.mission.passes.successors import successors
 from mcpn.mission.passes.uses import uses
 from mcpn.mission.passes.wholes import becoming, timeouts
+from mcpn.mission.rewriting.limits import measure
 
 PASSES: tuple[Callable[[Mission], Mission], ...] = (
+    done,
     successors,
     uses,
     becoming,

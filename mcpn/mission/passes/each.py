@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from mcpn.mission.model import SUCCEED, Block, Each, Mission, Recursive
-from mcpn.mission.passes.copying import copied, led
 from mcpn.mission.passes.parameters import with_parameter
-from mcpn.mission.passes.rewriting import common, rewritten
+from mcpn.mission.rewriting.blocks import common, rewritten
+from mcpn.mission.rewriting.copying import copied, led
 from mcpn.mission.robot import Parameter
 
 

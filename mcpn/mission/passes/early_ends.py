@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mcpn.mission.model import Block, Mission, Parallel
-from mcpn.mission.passes.rewriting import rewritten
+from mcpn.mission.rewriting.blocks import rewritten
 
 
 def early_ends(mission: Mission) -> Mission:

@@ -12,12 +12,12 @@ from dataclasses import replace
 from typing import Any
 
 from mcpn.errors import Problem, Source
-from mcpn.mission.conditions import facts_of, in_words, resolved
+from mcpn.mission.conditions import in_words, resolved
 from mcpn.mission.fact_cases import Destination, FactCase, by_facts
 from mcpn.mission.language.references import cycles
 from mcpn.mission.model import FAIL, UNNAMED, Block, FactRoute, Handler, Mission, Parallel, walk
-from mcpn.mission.passes.rewriting import in_series
-from mcpn.mission.passes.siblings import helping
+from mcpn.mission.rewriting.blocks import in_series
+from mcpn.mission.rewriting.siblings import helping
 from mcpn.mission.robot import Fact
 
 _BY_OUTCOME = {"success": "success", "failure": "failure", "abort": "abort", "timeout": "timeout_goto"}
@@ -28,7 +28,7 @@ def guards(mission: Mission) -> Mission:
     """Guards become facts by which all that leads to their blocks chooses (`<enter>`)."""
     if not any(block.guards for block in walk(mission.blocks)):
         return mission
-    facts = facts_of(mission)
+    facts = {fact.name: fact for fact in mission.every_fact}
     handlers = _Guarded(mission.blocks, facts).handlers(mission.handlers)
 
     def written_out(siblings: tuple[Block, ...], around: tuple[Handler, ...]) -> tuple[Block, ...]:

@@ -8,8 +8,8 @@ from itertools import islice, product
 from mcpn.errors import Problem
 from mcpn.mission.language.datatypes import MAX_ROUNDS
 from mcpn.mission.model import Block, Each, Holder, Parallel, walk
-from mcpn.mission.passes.limits import MAX_OBJECTIVES
-from mcpn.mission.passes.siblings import recovering, suffixes
+from mcpn.mission.rewriting.limits import MAX_OBJECTIVES
+from mcpn.mission.rewriting.siblings import recovering, suffixes
 
 
 def clashes(blocks: tuple[Block, ...]) -> Iterator[Problem]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from mcpn.mission.model import Block, Mission, Objective, Parallel, Recursive
-from mcpn.mission.passes.limits import Counted
+from mcpn.mission.rewriting.limits import Counted
 from mcpn.mission.robot import Parameter
 
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 
 from mcpn.errors import InputError, Problem
 from mcpn.mission.model import FAIL, UNNAMED, Block, Handler, Mission, Objective, Parallel, Recursive, walk
-from mcpn.mission.passes.copying import copied
-from mcpn.mission.passes.limits import Counted
-from mcpn.mission.passes.siblings import entered, pausing, recovering
+from mcpn.mission.rewriting.copying import copied
+from mcpn.mission.rewriting.limits import Counted
+from mcpn.mission.rewriting.siblings import entered, pausing, recovering
 
 
 def pauses(mission: Mission) -> Mission:

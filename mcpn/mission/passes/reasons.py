@@ -11,8 +11,8 @@ from dataclasses import replace
 from functools import partial
 
 from mcpn.mission.model import Block, Mission, Objective
-from mcpn.mission.passes.rewriting import everywhere
 from mcpn.mission.reasons import reason, reasons_of
+from mcpn.mission.rewriting.blocks import everywhere
 from mcpn.mission.robot import Activity
 
 

@@ -15,9 +15,9 @@ from dataclasses import replace
 
 from mcpn.errors import Problem
 from mcpn.mission.model import FAIL, UNNAMED, Block, Handler, Mission
-from mcpn.mission.passes.copying import copied, handled, led
-from mcpn.mission.passes.rewriting import in_series
-from mcpn.mission.passes.siblings import entered, helping, pausing, recovering, routes_among
+from mcpn.mission.rewriting.blocks import in_series
+from mcpn.mission.rewriting.copying import copied, handled, led
+from mcpn.mission.rewriting.siblings import entered, helping, pausing, recovering, routes_among
 
 
 def recovery(mission: Mission) -> Mission:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from mcpn.mission.model import ROUND, SUCCEED, Block, Mission
-from mcpn.mission.passes.copying import copied, holding, one_copy
 from mcpn.mission.passes.parameters import with_parameter
-from mcpn.mission.passes.rewriting import rewritten
+from mcpn.mission.rewriting.blocks import rewritten
+from mcpn.mission.rewriting.copying import copied, holding, one_copy
 from mcpn.mission.robot import Parameter
 
 

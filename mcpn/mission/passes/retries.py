@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from mcpn.mission.model import SUCCEED, Block, Mission
-from mcpn.mission.passes.copying import copied, holding, one_copy
-from mcpn.mission.passes.rewriting import rewritten
+from mcpn.mission.rewriting.blocks import rewritten
+from mcpn.mission.rewriting.copying import copied, holding, one_copy
 
 
 def retries(mission: Mission) -> Mission:

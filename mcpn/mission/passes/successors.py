@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mcpn.mission.model import Block, Each, Holder, Mission, Recursive
-from mcpn.mission.passes.siblings import following
+from mcpn.mission.rewriting.siblings import following
 
 
 def successors(mission: Mission) -> Mission:

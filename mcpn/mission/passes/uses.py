@@ -9,9 +9,9 @@ from dataclasses import replace
 from typing import Any
 
 from mcpn.mission.model import ROUND, Block, Each, Mission, Objective, Protocol, Recursive, Use, walk
-from mcpn.mission.passes.copying import led
 from mcpn.mission.passes.parameters import overridden
-from mcpn.mission.passes.rewriting import common
+from mcpn.mission.rewriting.blocks import common
+from mcpn.mission.rewriting.copying import led
 
 
 def uses(mission: Mission) -> Mission:

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 from mcpn.errors import Problem, Source
 from mcpn.mission.model import WHOLE, Block, Mission, Objective, Parallel
-from mcpn.mission.passes.rewriting import alone, common, rewritten
+from mcpn.mission.rewriting.blocks import alone, common, rewritten
 
 
 def becoming(mission: Mission) -> Mission:

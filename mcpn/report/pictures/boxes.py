@@ -20,7 +20,7 @@ from mcpn.mission.model import (
     Recursive,
     Use,
 )
-from mcpn.mission.passes.siblings import entered, following, helping
+from mcpn.mission.rewriting.siblings import entered, following, helping
 
 
 @dataclass(frozen=True)

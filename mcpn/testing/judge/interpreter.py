@@ -119,7 +119,7 @@ class Interpreter:
         self.left_by_facts = [node for node in _nodes(self.root) if any(h.when for h in node.handlers)]
         self.timed = {node.name: node for node in _nodes(self.root) if node.timeout is not None}
         self.pause_graphs = {pause_graph.name: pause_graph for pause_graph in _shelters(self.root)}
-        values = {fact.name: fact.initial or fact.values[0] for fact in mission.facts}
+        values = {fact.name: fact.initial or fact.values[0] for fact in mission.every_fact}
         values |= dict.fromkeys(_read_of_objectives(mission), "false")
         hardware = [h for robot in mission.robots for h in robot.hardware]
         self.lasting = {h.name for h in hardware if not h.repairable}

@@ -7,7 +7,7 @@ from math import prod
 
 from mcpn.errors import LimitError, Problem, Source
 from mcpn.mission.model import Block, Each, Mission, Objective, Protocol, Use
-from mcpn.mission.passes.siblings import recovering
+from mcpn.mission.rewriting.siblings import recovering
 
 MAX_NESTING = 128
 MAX_OBJECTIVES = 100_000

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from mcpn.mission.model import TIMED_OUT, WHOLE, Block, Each, FactRoute, Handler, Parallel, Recursive
-from mcpn.mission.passes.rewriting import alone, common
+from mcpn.mission.rewriting.blocks import alone, common
 
 
 def copied(block: Block, suffix: str, **also: Any) -> Block:

@@ -1,0 +1,1 @@
+"""What passes share: blocks rewritten in their place, copies of them, siblings, and how many there may be."""
