@@ -1,4 +1,4 @@
-"""Parsing of untrusted XML: no DTD, no entities, no network, bounded size and depth, errors with lines."""
+"""Parsing of untrusted XML: no DTD, no entities, no network, errors with lines; limits are the readers'."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
-"""Reads mission files (namespace ``urn:mcpn:mission:1``); :mod:`mcpn.mission.writer` writes them.
+"""Reads mission files with all that they import, within limits: 64 deep, 200,000 elements, 1,000 imports.
 
-Files are untrusted: see :mod:`mcpn.xmlio`; imports stay inside the directory of the main file, unless a
-wider root is given. All problems of all files are collected and raised in one go.
+Their namespace is ``urn:mcpn:mission:1``; :mod:`mcpn.mission.writer` writes them. Files are untrusted:
+see :mod:`mcpn.xmlio`; imports stay inside the directory of the main file, unless a wider root is given. All
+problems of all files are collected and raised in one go.
 """
 
 from __future__ import annotations

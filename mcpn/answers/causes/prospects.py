@@ -1,4 +1,4 @@
-"""What a mission may still reach: goals, losing regions, the events that lead into them, runs that show it.
+"""What a mission that has begun may still reach: goals, losing regions, what leads there, runs that show it.
 
 Source: the paper, 7.2 ("studying the resource events that force the mission into a branch leading to
 failure"). A state *loses* a goal where no run reaches it any more; without repairs, where no run without an
