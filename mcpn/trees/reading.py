@@ -21,6 +21,7 @@ from mcpn.trees.doubts import doubts
 from mcpn.trees.nodes.choosing import choose
 from mcpn.trees.nodes.forest import Forest, tree_of
 from mcpn.trees.nodes.node import ATTRIBUTES, OF_EDITORS, Tree, TreeNode
+from mcpn.trees.nodes.scripts import script_problems
 from mcpn.trees.nodes.table import TABLE, rows_of
 from mcpn.trees.nodes.versions import BTCPP, NAV2
 from mcpn.trees.nodes.versions import asked as asked_for
@@ -117,10 +118,11 @@ def read_forest(
     nodes = [node for tree in trees.values() for node in tree.root.walk()]
     choice, problems = choose(nodes, frozenset(trees), reader.formats, wanted)
     forest = Forest(trees, executed, reader.categories, choice)
-    problems += [*_cycles(forest), *_named_as_nodes(forest)]
+    refused, told = script_problems(nodes, choice)
+    problems += [*refused, *_cycles(forest), *_named_as_nodes(forest)]
     if problems:
         raise InputError(problems)
-    warnings = (*reader.warnings, *doubts(forest, reader.ports, reader.spelt))
+    warnings = (*reader.warnings, *doubts(forest, reader.ports, reader.spelt), *told)
     return replace(forest, warnings=warnings)
 
 

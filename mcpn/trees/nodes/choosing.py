@@ -149,8 +149,6 @@ class _Choosing:
             library = BTCPP if BTCPP in self.allowed else PY_TREES
             said = f"{node.title} has {rules[0]} of BehaviorTree.CPP 4"
             self.wrong(node, f"{said}, the tree is for {self.is_for(library)}")
-        for rule in (rule for rule in rules if not node.rules[rule].strip()):
-            self.wrong(node, f"{node.title}: {rule} is empty, expected a script")
         rows = rows_of(node.id, self.libraries)
         if not rows:
             self.of_other(node)
@@ -228,7 +226,7 @@ class _Choosing:
         row = next((r for r in reversed(rows_of(node.id, self.libraries)) if r.fits(node.ports)), None)
         for name, value in node.ports.items() if row is not None and row.ports is not None else ():
             pattern, expected = LEGAL[row.ports[name].kind]  # type: ignore[union-attr, index]
-            if not _is_entry(value) and re.fullmatch(pattern, value) is None:
+            if not is_entry(value) and re.fullmatch(pattern, value) is None:
                 yield Problem(node.source, f"{node.title}: {name} is {value!r}, expected {expected}")
 
     def wrong(self, node: TreeNode, message: str) -> None:
@@ -240,7 +238,7 @@ def _for_py_trees(node: TreeNode) -> bool:
     return bool(node.children) and (node.id.lower() == "selector" or sign in node.ports)
 
 
-def _is_entry(value: str) -> bool:
+def is_entry(value: str) -> bool:
     """Whether a value names an entry of the blackboard."""
     text = value.strip()
     return text.startswith(("{", "${")) and text.endswith("}")
