@@ -75,7 +75,8 @@ class Claims {
     return true;
   }
   bool go_on(bool holds, const Json& evidence) const {
-    const auto stuck = [&](std::size_t s) { return states_.edges[s].empty() && !states_.ends(s, kEnds); };
+    const Set ended = states_.ending(kEnds);
+    const auto stuck = [&](std::size_t s) { return states_.edges[s].empty() && !ended[s]; };
     if (!holds) {
       std::size_t state = 0;
       return follow(numbers(evidence.at("run")), state) && stuck(state);
@@ -84,25 +85,24 @@ class Claims {
     return true;
   }
   bool can_end(bool holds, const Json& evidence, const std::string& role) const {
-    if (holds) {
-      std::size_t state = 0;
-      return follow(numbers(evidence.at("run")), state) && states_.ends(state, {role});
-    }
-    for (std::size_t s = 0; s < count_; ++s) if (states_.ends(s, {role})) return false;
-    return true;
+    const Set ended = states_.ending({role});
+    std::size_t state = 0;
+    if (holds) return follow(numbers(evidence.at("run")), state) && ended[state];
+    return std::find(ended.begin(), ended.end(), true) == ended.end();
   }
   bool always(bool holds, const Json& evidence, const std::set<std::string>& roles) const {
+    const Set ended = states_.ending(roles);
     if (!holds) {
       std::size_t state = 0;
       if (!follow(numbers(evidence.at("run")), state)) return false;
       const Set seen = from({state}, [](const Edge&) { return true; });
-      for (std::size_t s = 0; s < count_; ++s) if (seen[s] && states_.ends(s, roles)) return false;
+      for (std::size_t s = 0; s < count_; ++s) if (seen[s] && ended[s]) return false;
       return true;
     }
     const Numbers falls = numbers(evidence.at("numbers"));
     if (falls.size() != count_) return false;
     for (std::size_t s = 0; s < count_; ++s) {
-      if (states_.ends(s, roles)) continue;
+      if (ended[s]) continue;
       const auto& out = states_.edges[s];
       if (std::none_of(out.begin(), out.end(), [&](const Edge& each) { return falls[each.to] >= 0 && falls[each.to] < falls[s]; })) return false;
     }
@@ -140,14 +140,15 @@ class Claims {
       if (mended[s] && std::none_of(repaired.begin(), repaired.end(), [&](const std::string& name) { return states_.says(s, "oos", name); })) starts.push_back(s);
     if (starts.empty()) return false;
     const Set reached = from(starts, is_nominal);
+    const Set succeeded = states_.ending({"success"});
     const auto exempt = [&](std::size_t s) {
-      return states_.ends(s, {"success"}) || std::any_of(endless.begin(), endless.end(), [&](const std::string& name) { return states_.says(s, "objective", name); });
+      return succeeded[s] || std::any_of(endless.begin(), endless.end(), [&](const std::string& name) { return states_.says(s, "objective", name); });
     };
     std::set<std::string> missing = meant;
     for (std::size_t s = 0; s < count_; ++s) {
       if (falls[s] < 0) return false;
       if (!reached[s]) continue;
-      bool goes_on = states_.ends(s, {"success"});
+      bool goes_on = succeeded[s];
       for (const Edge& edge : states_.edges[s]) {
         if (!is_nominal(edge)) continue;
         goes_on = true;
@@ -161,11 +162,7 @@ class Claims {
 
   bool cuts(const Json& statement, const Json& survived) const {
     const Texts given = texts(statement.at("ends"));
-    Search search{Set(count_), Set(count_), [](std::size_t, const Edge&) { return true; }};
-    for (std::size_t s = 0; s < count_; ++s) {
-      search.moments[s] = states_.ends(s, {"begin"});
-      search.won[s] = states_.ends(s, {given.begin(), given.end()});
-    }
+    const Search search{states_.ending({"begin"}), states_.ending({given.begin(), given.end()}), [](std::size_t, const Edge&) { return true; }};
     return CutSets(net_, states_, clock_).proved(statement, survived, search);
   }
 
@@ -198,6 +195,7 @@ int checked(const std::string& path, const Clock& clock) {
     for (const char* key : {"statement", "evidence"}) require(each.at(key).kind == Json::object, "a claim without an object");
   }
   std::unique_ptr<States> states;
+  std::unique_ptr<Claims> of;
   std::string broken, why;
   try {
     states = std::make_unique<States>(net, clock);
@@ -208,17 +206,18 @@ int checked(const std::string& path, const Clock& clock) {
   } catch (const Limit& limit) {
     why = limit.what();
   }
-  if (states)  // else no claim is looked into
+  if (states) {  // else no claim is looked into
+    of = std::make_unique<Claims>(net, *states, clock);
     for (const Json& each : claims.at("claims").items)
-      Claims(net, *states, clock).shape(each.at("kind").string, each.at("holds").truth, each.at("statement"), each.at("evidence"));
+      of->shape(each.at("kind").string, each.at("holds").truth, each.at("statement"), each.at("evidence"));
+  }
   bool refuted = false, open = claims.at("claims").items.empty();
   for (const Json& each : claims.at("claims").items) {
     const std::string& kind = each.at("kind").string;
     std::string verdict = "not checked";
     if (states) {
       try {
-        Claims of(net, *states, clock);
-        verdict = of.proved(kind, each.at("holds").truth, each.at("statement"), each.at("evidence")) ? "proved" : "refuted";
+        verdict = of->proved(kind, each.at("holds").truth, each.at("statement"), each.at("evidence")) ? "proved" : "refuted";
       } catch (const Limit& limit) {
         why = limit.what();
       }

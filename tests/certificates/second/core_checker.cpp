@@ -3,12 +3,13 @@
 // core_checker FILE [--max-states N] [--seconds S] prints "proved net", "refuted net" or "not checked net", and ends with 0, 1 or 2.
 // Why a net is refuted or not checked is told in one sentence.
 #include "play.hpp"
+#include "listing.hpp"
 
 std::set<Role> look_of(const Net& net, const Marking& marking) {
   static const std::set<std::string> ends{"begin", "success", "failure", "abort"};
   static const std::set<std::string> known{"objective", "pending", "done", "active", "wait", "refused", "oos", "known", "fact", "happened"};
   std::set<Role> found;
-  for (std::size_t p = 0; p < marking.size(); ++p) {
+  for (std::size_t p = 0; p < net.places.size(); ++p) {
     if (!marking[p]) continue;
     for (const auto& [role, element] : net.places[p].roles) {
       if (ends.count(role)) found.emplace(role, "");

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "certificate.hpp"
-
+#include "listing.hpp"
 
 struct Search {
   Set moments, won;

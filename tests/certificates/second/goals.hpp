@@ -34,9 +34,7 @@ class Goals {
     return found != marked_.end() && found->second[s];
   }
   Set ending(const std::set<std::string>& roles) const {
-    Set made(count_);
-    for (std::size_t s = 0; s < count_; ++s) made[s] = states_.ends(s, roles);
-    return made;
+    return states_.ending(roles);
   }
   const Texts& event(const Edge& edge) const { return net_.transitions[std::size_t(edge.transition)].event; }
   bool runs(std::size_t s, const std::string& objective) const { return marks(s, "objective", objective); }
