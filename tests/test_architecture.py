@@ -162,6 +162,28 @@ def test_the_wing_of_nets_has_no_word_of_missions() -> None:
     assert wrong == set()
 
 
+AS_WRITTEN = {
+    "answers/claims/found.py": "what handlers lead to, for as_written.py",
+    "answers/mission_names.py": "what a formula may say in place of an unknown name",
+    "answers/verdicts/nominal.py": "what runs for others, for as_written.py",
+    "answers/verdicts/unreachable.py": "what handlers lead to, for as_written.py",
+    "drawing/compose.py": "the net of a mission has its author's mission for who shows it",
+    "mission/static/warnings.py": "what pauses and recovers, and what is said of facts",
+}
+"""Who asks the author's mission though it stands behind the core mission, and what no core mission says."""
+
+
+def test_the_core_mission_is_read_alone_where_nothing_is_said_of_an_authors_words() -> None:
+    rooms = ("mission/static", "drawing", "composite", "answers", "controller", "certificates")
+    written = re.compile(r"\b(mission_net|net|usage|spaces\.mission)\.mission\b")
+    reading = {
+        str(path.relative_to(PACKAGE))
+        for path in MODULES
+        if str(path.relative_to(PACKAGE)).startswith(rooms) and written.search(path.read_text())
+    }
+    assert reading == AS_WRITTEN.keys()
+
+
 def test_targets_read_the_document_alone() -> None:
     """What a target needs of a mission stands in the document; it imports nothing of missions."""
     known = ("mcpn.robot.targets", "mcpn.robot.runtime", "mcpn.events", "mcpn.errors")

@@ -57,7 +57,7 @@ class MissionNames(Names):
     @cached_property
     def declared(self) -> tuple[str, ...]:
         """The events that the mission declares."""
-        return tuple(event.name for event in self.mission_net.mission.events)
+        return tuple(event.name for event in self.mission_net.core.events)
 
     def place(self, name: str) -> int:
         """The index of a place; of an element of the mission the error says by which word it is named."""
@@ -78,7 +78,7 @@ class MissionNames(Names):
             raise InputError.at(None, f"expected {kind}({name}) alone, found ={value} after it")
         match kind:
             case "success" | "failure" | "abort":
-                about = [mission_net.mission.name]
+                about = [mission_net.core.name]
             case "objective" | "pending":
                 about = self._copies.meant(name, self.within)
                 if not about and self._copies.inside(name, self.within):

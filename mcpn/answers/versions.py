@@ -117,7 +117,7 @@ def _match(first: MissionSpaces, second: MissionSpaces) -> None:
             {("objective", n) for n in objectives} | {("hardware", h.name) for h in mission.hardware}
         )
     if names[0].isdisjoint(names[1]):
-        here, there = (spaces.mission.mission for spaces in (first, second))
+        here, there = (spaces.mission.core for spaces in (first, second))
         raise InputError.at(
             there.source,
             f"found the mission {there.name}, which has no objective and no hardware in common with "
@@ -126,7 +126,7 @@ def _match(first: MissionSpaces, second: MissionSpaces) -> None:
 
 
 def _known(spaces: MissionSpaces) -> _Version:
-    checked, mission = check(spaces), spaces.mission.mission
+    checked, mission = check(spaces), spaces.mission.core
     name, claims = (mission.source and mission.source.file) or mission.name, claims_of(checked)
     try:
         causes = find_causes(spaces)

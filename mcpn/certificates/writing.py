@@ -147,7 +147,7 @@ def _by_sections(check: MissionCheck) -> Certificate | None:
         claims, trusted = claims_by_sections(core, claims_of(check), _stating(check))
     except Limit:
         return None
-    return Certificate(check.mission_net.mission.name, None, claims, trusted, core)
+    return Certificate(check.mission_net.core.name, None, claims, trusted, core)
 
 
 def _stating(check: MissionCheck) -> Callable[[Claim], tuple[str, dict[str, Any]]]:
@@ -201,7 +201,7 @@ def _drawn(mission_net: MissionNet, spaces: MissionSpaces) -> tuple[DiagramWrite
 
 def _certificate(writer: DiagramWriter, claims: _Claims, trusted: _Trusted) -> Certificate:
     """The certificate of claims that diagrams prove."""
-    mission_net, name = writer.mission_net, writer.mission_net.mission.name
+    mission_net, name = writer.mission_net, writer.mission_net.core.name
     net, core = net_entry(mission_net, diagrams=True), core_entry(mission_net)
     return Certificate(name, net, [], trusted, core, (), writer.document(claims.values()))
 
@@ -335,7 +335,7 @@ class _Writer:
                     shown,
                 )
         net, core = net_entry(self.mission_net), core_entry(self.mission_net)
-        return Certificate(self.mission_net.mission.name, net, list(claims.values()), trusted, core)
+        return Certificate(self.mission_net.core.name, net, list(claims.values()), trusted, core)
 
     def evidence(self, claim: Claim) -> tuple[dict[str, Any], dict[str, Any]]:
         """What a claim states beside its kind, and its evidence.

@@ -342,7 +342,7 @@ def outside(name: str, mission_net: MissionNet, layout: Layout) -> Stage:
     if name == BEGIN:
         left, origin = Event(What.DECLARED, BEGIN), Provenance("mission", name)
         builder.transition("left", consume=["here"], produce=["success"], event=left, provenance=origin)
-    net, mission = builder.build(), mission_net.mission.name
+    net, mission = builder.build(), mission_net.core.name
     local = replace(mission_net, net=net, roles={2: ("success", mission), 3: ("failure", mission)})
     part = LocalPart(Used(mission_net.usage, ()), ObjectivesGraph((), ""))
     here = mission_net.beginning if name == BEGIN else ends_of(mission_net)[name]

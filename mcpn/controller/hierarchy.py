@@ -178,7 +178,7 @@ def hierarchical_controller(
     sections = placed_machines(composite, {type_: types[number].events for type_, number in numbers.items()})
     mission_net = composite.mission_net
     return TableController(
-        mission_net.mission.name,
+        mission_net.core.name,
         "hierarchical",
         composite.layout.hardware,
         mission_net.graph.entry,
@@ -219,7 +219,7 @@ def flat_controller(mission_net: MissionNet, alternatives: AlternativesGraph) ->
     hardware = tuple(h.name for h in mission_net.core.hardware if h.faulty)
     refuse_entries(hardware)
     machine = inner_machine(controller(mission_net, alternatives), hardware, flags_told(mission_net))
-    name = mission_net.mission.name
+    name = mission_net.core.name
     leads = {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
     routes = {outcome: leads[outcome] for outcome in mission_net.ends}
     whole = PlacedMachine(name, 0, {kind: {} for kind in NAMED}, machine.events, routes)

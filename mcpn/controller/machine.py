@@ -259,7 +259,7 @@ def controller(mission_net: MissionNet, alternatives: AlternativesGraph) -> Mach
     ]
     beginning = 1 << mission_net.beginning
     waiting = frozenset(n for n, marking in enumerate(packed) if marking & beginning)
-    return Machine(mission_net.mission.name, states, alternatives, orders, lists, waiting)
+    return Machine(mission_net.core.name, states, alternatives, orders, lists, waiting)
 
 
 def distinct(columns: Ints) -> tuple[Ints, Ints]:

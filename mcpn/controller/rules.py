@@ -48,7 +48,7 @@ def modular_controller(composite: CompositeSpace) -> ModularController:
     """
     types = {type_: _Maker(type_, name).rules() for type_, name in representatives(composite).items()}
     return ModularController(
-        composite.mission_net.mission.name,
+        composite.mission_net.core.name,
         composite.layout.hardware,
         composite.mission_net.graph.entry,
         placed_machines(composite, {type_: rules.events for type_, rules in types.items()}),

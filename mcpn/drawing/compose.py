@@ -232,12 +232,12 @@ def compose_parts(
         InputError: A template names a place that none of the parts draws.
     """
     templates = templates or PaperTemplates()
-    known = _named(usage.mission.software, usage.core.activities)
+    known = _named(usage.core.software, usage.core.activities)
     left_out = known - _named(parts.software, parts.activities)
     section_parts = SectionParts(usage)
     alike = section_parts.alike if by_type and looks_at_no_names(templates) else None
     canvas = Canvas(
-        usage.mission.name, usage, left_out, parts.facts, part=parts.graph is not usage.graph, alike=alike
+        usage.core.name, usage, left_out, parts.facts, part=parts.graph is not usage.graph, alike=alike
     )
     for hardware in parts.hardware:
         templates.hardware(canvas, hardware)

@@ -69,7 +69,7 @@ def entered_otherwise(mission_net: MissionNet, what: Collection[What] = tuple(Wh
         The net with a transition more for each such change (:class:`mcpn.drawing.status.Before`); the net
         itself where nothing may have changed.
     """
-    mission, names = mission_net.mission, names_of(mission_net.usage)
+    mission, names = mission_net.core, names_of(mission_net.usage)
     own, origin = ("mission", mission.name), Provenance("mission", mission.name, mission.source)
     earlier: dict[bool, list[Transition]] = {True: [], False: []}  # of hardware, and of other elements
     every = [(status, before) for status in mission_net.statuses for before in status.before]

@@ -89,7 +89,7 @@ class Used:
         self.usage = usage
         hardware, software = dict[str, Hardware](), dict[str, Software]()
         closure = dict[str, Activity]()
-        declared = {s.name: s for s in usage.mission.software}
+        declared = {s.name: s for s in usage.core.software}
         stack = [*activities][::-1]
         while stack:
             name = stack.pop()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 
-from mcpn.mission.conditions import Condition, all_flags, facts_of, flags, resolved
+from mcpn.mission.conditions import Condition, all_flags, flags, resolved
 from mcpn.mission.core.objectives_graph import ElementarySection, ObjectivesGraph, Section
 from mcpn.mission.model import Mission, walk
 from mcpn.mission.robot import Fact
@@ -15,21 +15,21 @@ class FactUsage:
     """Who changes and who reads which fact.
 
     Args:
-        mission: A valid mission.
+        core: The core mission.
 
     Attributes:
         facts: Its facts by name, those of objectives that something reads among them.
         changing: By declared event that changes facts, for each of them by value the one that it has then.
     """
 
-    def __init__(self, mission: Mission) -> None:
-        self.mission = mission
-        self.facts: Mapping[str, Fact] = facts_of(mission)
+    def __init__(self, core: Mission) -> None:
+        self.core = core
+        self.facts: Mapping[str, Fact] = {fact.name: fact for fact in core.every_fact}
         self.changing: Mapping[str, Mapping[str, Mapping[str, str]]] = {
             event.name: {
                 change.fact: dict.fromkeys(self.facts[change.fact].values, change.to) for change in event.sets
             }
-            for event in mission.events
+            for event in core.events
             if event.changes_facts
         }
 
@@ -47,7 +47,7 @@ class FactUsage:
     @cached_property
     def watched(self) -> frozenset[tuple[str, str]]:
         """Values of facts that blocks may be left for, when facts become so."""
-        texts = (self.mission.blocks, *(protocol.blocks for protocol in self.mission.protocols))
+        texts = (self.core.blocks, *(protocol.blocks for protocol in self.core.protocols))
         every = (handler.when for blocks in texts for block in walk(blocks) for handler in block.handlers)
         return frozenset(said for when in every for said in resolved(when, self.facts))
 
@@ -55,7 +55,7 @@ class FactUsage:
     def _requires(self) -> Mapping[tuple[str, int], Condition]:
         return {
             (activity.name, i): resolved((*activity.requires, *way.requires), self.facts)
-            for activity in self.mission.activities
+            for activity in self.core.activities
             for i, way in enumerate(activity.alternatives)
             if activity.requires or way.requires
         }
@@ -67,7 +67,7 @@ class FactUsage:
     def read_by(self, activity: str) -> Iterator[str]:
         """Facts that some alternative of an activity requires to be so."""
         if self._requires:
-            alternatives = next(a.alternatives for a in self.mission.activities if a.name == activity)
+            alternatives = next(a.alternatives for a in self.core.activities if a.name == activity)
             for i in range(len(alternatives)):
                 yield from (fact for fact, _ in self.requires(activity, i))
 

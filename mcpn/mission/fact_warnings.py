@@ -1,4 +1,8 @@
-"""What is suspicious about the facts of a mission, though it can be verified as it stands."""
+"""What is suspicious about the facts of a mission, though it can be verified as it stands.
+
+It speaks of the words of an author: a guard, which a core mission no longer has, a route once for all copies
+of its block, and what protocols say that nothing uses. Which values facts may have, the core mission says.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +17,15 @@ from mcpn.mission.model import Mission, Objective, walk
 from mcpn.mission.robot import Fact
 
 
-def fact_warnings(world: FactUsage, graph: ObjectivesGraph) -> Iterator[Problem]:
+def fact_warnings(mission: Mission, world: FactUsage, graph: ObjectivesGraph) -> Iterator[Problem]:
     """Facts that nobody changes or reads, changes that change nothing, conditions that are never so.
 
     Args:
-        world: The mission's facts.
+        mission: A valid mission, as its author wrote it.
+        world: Its facts.
         graph: Its objectives graph.
     """
-    mission, values = world.mission, _values(world, graph)
+    values = _values(world, graph)
     read = {word(text).fact for text in conditions(mission)} | _asked(mission)
     for fact in mission.facts:
         if len(values[fact.name]) == 1:

@@ -450,6 +450,11 @@ class Mission(Drawn, Element):
         return (*(resource for robot in self.robots for resource in robot.hardware), *self.crashes)
 
     @property
+    def declared_hardware(self) -> tuple[Hardware, ...]:
+        """The hardware resources that authors declare, in document order."""
+        return tuple(h for robot in self.robots for h in robot.hardware if not h.affects)
+
+    @property
     def faults(self) -> tuple[Fault, ...]:
         """All common causes of failures, in document order."""
         return tuple(fault for robot in self.robots for fault in robot.faults)

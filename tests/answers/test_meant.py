@@ -54,6 +54,23 @@ def test_a_sibling_that_leads_out_when_its_time_is_over_is_told(tmp_path: Path) 
     assert not [w for w in quiet if "does not go on" in w.message]
 
 
+def test_an_abort_without_effect_is_told_once_for_all_copies_and_of_no_failure_that_nothing_takes(
+    tmp_path: Path,
+) -> None:
+    inside = '<objective name="line" activities="swim"/>'
+    vain = f'<objective name="way" abort="home" retries="2">{inside}</objective>'
+    home = '<objective name="home" activities="swim"/>'
+    held = f'<each name="site" in="a b">{vain}{home}</each>'
+    told = [problem.message for problem in find_warnings(of(tmp_path, held).mission_net.mission)]
+    assert [text for text in told if "abort" in text] == ["abort of way has no effect: nothing in it aborts"]
+    # What runs in a pause fails as the block that pauses does, whatever its own failure leads to.
+    for failure, number in (('failure="abort"', 1), ('abort="abort" timeout="9" timeout_goto="abort"', 0)):
+        deep = f'<objective name="deep" activities="hover" {failure}/>'
+        held = f'<objective name="way" abort="home">{PAUSE}{deep}</objective>{home}'
+        told = [problem.message for problem in find_warnings(of(tmp_path, held).mission_net.mission)]
+        assert len([text for text in told if text.startswith("abort of way has no effect")]) == number
+
+
 def replace_timeout(block: str) -> str:
     return block.replace(' timeout_goto="succeed"', "")
 

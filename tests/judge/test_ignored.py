@@ -9,8 +9,8 @@ import pytest
 from hypothesis import event, given
 from hypothesis import strategies as st
 
+from mcpn.answers.verdicts.as_written import led_to_by_events
 from mcpn.answers.verdicts.mission import check
-from mcpn.answers.verdicts.unreachable import targets
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Handler, Mission, Objective, Parallel, Protocol, Use
@@ -164,4 +164,4 @@ def test_an_abort_leads_to_where_it_is_caught() -> None:
         both = Parallel(name="both", blocks=(Use(name="one", protocol="dive"),), abort=abort)
         of = mission(robot, both, Objective(name="up", activities=("swim",)))
         of = replace(of, protocols=(Protocol(name="dive", blocks=(swim,)),))
-        assert targets(of)["leak"] == expected
+        assert led_to_by_events(of)["leak"] == expected

@@ -143,7 +143,7 @@ class Causes(Told):
         every = self.mission_net.usage.activities.values()
         ways = ((f"{activity.name}.{way.name}", way) for activity in every for way in activity.alternatives)
         used = {resource for name, way in ways if name in selected for resource in way.consumes}
-        declared = (h for robot in self.mission_net.mission.robots for h in robot.hardware)
+        declared = self.mission_net.core.declared_hardware
         return tuple(h.name for h in declared if h.faulty and h.name not in used)
 
     def of(self, objectives: Iterable[str]) -> Causes:
@@ -158,7 +158,7 @@ class Causes(Told):
             found = {copy: self.objectives[copy] for copy in copies if copy in self.objectives}
             if not found:
                 message = f"no objective {name}; expected one of {', '.join(self.objectives)}"
-                raise InputError.at(self.mission_net.mission.source, message)
+                raise InputError.at(self.mission_net.core.source, message)
             chosen |= found
         return replace(self, objectives=chosen)
 

@@ -238,7 +238,7 @@ class Prospects(Generic[S]):
     def mission(self) -> Goal[S]:
         """Success of the mission."""
         won = self.space.marked([self.mission_net.success])
-        return Goal(self.mission_net.mission.name, self.space.everything - won, won)
+        return Goal(self.mission_net.core.name, self.space.everything - won, won)
 
     @cached_property
     def safety(self) -> Goal[S] | None:
@@ -247,7 +247,7 @@ class Prospects(Generic[S]):
         An abort by the failure of a safing objective is none. So the goal is reached in states
         in which another event may lead to abort.
         """
-        space, found, name = self.space, self.aborts, self.mission_net.mission.name
+        space, found, name = self.space, self.aborts, self.mission_net.core.name
         if found is None or self.mission_net.abort is None:
             return None
         success = space.marked([self.mission_net.success])

@@ -156,7 +156,7 @@ def _rates_of_facts(mission_net: MissionNet) -> dict[Element, tuple[float, float
             does not know them would not know how they change together.
     """
     world, rates = mission_net.usage.world, dict[Element, tuple[float, float]]()
-    for event in mission_net.mission.events:
+    for event in mission_net.core.events:
         changes = world.changing.get(event.name, {})
         if not changes or not event.rate:
             continue
@@ -182,7 +182,7 @@ def _rates_of_facts(mission_net: MissionNet) -> dict[Element, tuple[float, float
 def _unrated(mission_net: MissionNet) -> Iterator[str]:
     handled = {i.event for section in mission_net.graph.all_sections() for i in section.interruptions}
     handled |= mission_net.usage.world.changing.keys()
-    for event in mission_net.mission.events:
+    for event in mission_net.core.events:
         if event.name in handled and event.rate is None:
             yield event.name
     for name in mission_net.usage.started:
@@ -239,7 +239,7 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
     listed = cache(ListedChain)
     sections = {}
     # An event without a rate never happens, and so nothing that it makes happen once has happened.
-    rated = {event.name for event in net.mission.events if event.rate}
+    rated = {event.name for event in net.core.events if event.rate}
 
     def carried(part: LocalPart) -> tuple[Element, ...]:
         kept = {("once", name) for name in part.once_on(rated)}

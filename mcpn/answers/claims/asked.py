@@ -70,7 +70,7 @@ def _safe_from(parts: FormulaParts[Any]) -> str:
 
 def _ignored(claims: Iterable[Claim], check: MissionCheck) -> str:
     """That an event that must be handled is ignored."""
-    required = {event.name for event in check.mission_net.mission.events if event.required}
+    required = {event.name for event in check.mission_net.core.events if event.required}
     each = [c.formula for c in claims if c.kind == "ignored" and c.subject[0] in required]
     return (" | ".join(each) or "false") if len(each) <= MOST_NAMED else ""
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from mcpn.answers.claims.claim import Assumes, Claim, Severity
 from mcpn.answers.kinds.by_name import KINDS, OF_VERDICTS
-from mcpn.answers.verdicts.unreachable import targets
+from mcpn.answers.verdicts.as_written import led_to_by_events
 
 if TYPE_CHECKING:
     from mcpn.answers.requirements import RequirementAnswer
@@ -94,7 +94,7 @@ def _of_events(check: MissionCheck) -> Iterator[Claim]:
     if check.alternatives is None and check.markings is None:
         return
     objectives, led = plain_names(net, (objective.name for objective in net.graph.walk())), led_to(net)
-    events = [event for event in net.mission.events if not event.changes_facts]
+    events = [event for event in net.core.events if not event.changes_facts]
     few = len(events) * len(objectives) <= MOST_PAIRS
     for declared in events:
         name, each = declared.name, changing.get(declared.name)
@@ -135,7 +135,7 @@ def led_to(mission_net: MissionNet) -> Mapping[str, list[str]]:
     copies = mission_net.graph.copies
     return {
         event: plain_names(mission_net, (n for n in copies.objectives if blocks & set(copies.around(n))))
-        for event, blocks in targets(mission_net.mission).items()
+        for event, blocks in led_to_by_events(mission_net.mission).items()
     }
 
 

@@ -53,7 +53,7 @@ class Helped(Generic[S]):
         needs = (self._hopeful & space.initial) - parts.reaching(prospects.mission, alone)
         yield self._claim("needs_help_to_succeed", needs, prospects.mission, moment="start", unaided=unaided)
         ended = space.marked(self.net.ends.values())
-        ends = Goal(self.net.mission.name, space.everything - ended, ended)
+        ends = Goal(self.net.core.name, space.everything - ended, ended)
         needs = parts.reaching(ends, prospects.everything) - parts.reaching(ends, alone)
         steps = " & ".join(f"!happens({event})" for event in parts.quiet) or "true"
         unaided = f"E(({steps}) U ({parts.ends}))"
@@ -100,7 +100,7 @@ class Helped(Generic[S]):
 
     @cached_property
     def _declared(self) -> Mapping[str, frozenset[int]]:
-        own = {e.name: self.prospects.carrying(What.DECLARED, e.name) for e in self.net.mission.events}
+        own = {e.name: self.prospects.carrying(What.DECLARED, e.name) for e in self.net.core.events}
         return {event: transitions for event, transitions in own.items() if transitions}
 
     def _deciding(self) -> Iterator[Claim]:

@@ -34,7 +34,7 @@ def claims_of(check: MissionCheck, kinds: Collection[str] = KINDS) -> list[Claim
         check: What was found.
         kinds: Kinds of claims; what others need is not computed.
     """
-    found = [*claims_found(check), *claims_of_text(check.mission_net.mission)]
+    found = [*claims_found(check), *claims_of_text(check.mission_net.core)]
     if check.alternatives is not None:
         made = _Made(Prospects(check.mission_net, check.alternatives))
         found = [*with_formulas(found, check, made.parts, kinds)]
@@ -75,7 +75,7 @@ class _Made(Generic[S]):
         self.led = led_to(self.net)
         self.declared = {
             name: self.prospects.carrying(What.DECLARED, name)
-            for name in (e.name for e in self.net.mission.events if not e.changes_facts)
+            for name in (e.name for e in self.net.core.events if not e.changes_facts)
             if self.prospects.carrying(What.DECLARED, name)
         }
 

@@ -8,10 +8,9 @@ from mcpn.answers.claims.claim import Claim
 from mcpn.mission.model import Mission
 
 
-def claims_of_text(mission: Mission) -> Iterator[Claim]:
+def claims_of_text(core: Mission) -> Iterator[Claim]:
     """Whether hardware can fail, as the text says, and whether trees were translated exactly."""
-    for robot in mission.robots:
-        for hardware in robot.hardware:
-            yield Claim("granted", (hardware.name,), not hardware.faulty)
-    for translated in mission.translated:
+    for hardware in core.declared_hardware:
+        yield Claim("granted", (hardware.name,), not hardware.faulty)
+    for translated in core.translated:
         yield Claim("tree_exact", (translated.tree,), not translated.approximations)

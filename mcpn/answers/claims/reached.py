@@ -73,23 +73,22 @@ class Reached(Generic[S]):
                 if ("active", f"{activity.name}.{way.name}") in self.net.by_role:
                     for resource in way.consumes:
                         ways.setdefault(resource, []).append((activity.name, way.name))
-        for robot in self.net.mission.robots:
-            for name in (h.name for h in robot.hardware if h.name in ways):
-                runs = any(f"{a}.{w}" in self._selected for a, w in ways[name])
-                some = " | ".join(f"alternative({a})={w}" for a, w in ways[name])
-                formula = KINDS["used"].formula.format(name, ways=some)
-                yield Claim("used", (name,), runs, formula=formula)
+        for name in (h.name for h in self.net.core.declared_hardware if h.name in ways):
+            runs = any(f"{a}.{w}" in self._selected for a, w in ways[name])
+            some = " | ".join(f"alternative({a})={w}" for a, w in ways[name])
+            formula = KINDS["used"].formula.format(name, ways=some)
+            yield Claim("used", (name,), runs, formula=formula)
 
     def _deciding_events(self) -> Iterator[Claim]:
         """Which declared events can put success out of reach."""
-        for event in self.net.mission.events:
+        for event in self.net.core.events:
             if own := self.space.net.events.of(declared := Event(What.DECLARED, event.name)):
                 claim = self._claim("event_decides", (event.name,), self._decides(own), str(declared))
                 yield replace(claim, find_run=partial(self._run_to_last, own)) if claim.holds else claim
 
     def _facts(self) -> Iterator[Claim]:
         """Which values of facts leave no way to success as long as the mission has not succeeded."""
-        for fact in self.net.mission.facts:
+        for fact in self.net.core.facts:
             for value in fact.values:
                 places = self.net.by_role.get(("fact", f"{fact.name}={value}"), ())
                 if places:

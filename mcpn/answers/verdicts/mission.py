@@ -148,7 +148,7 @@ class Verdict(Told):
 def required_of(mission_net: MissionNet) -> tuple[str, ...]:
     """The verdicts that a mission must satisfy to be flown; one more where it can abort."""
     ends_safely = () if mission_net.abort is None else (ENDS_SAFELY,)
-    handled = (HANDLED,) if any(event.required for event in mission_net.mission.events) else ()
+    handled = (HANDLED,) if any(event.required for event in mission_net.core.events) else ()
     return (*REQUIRED, *ends_safely, *handled)
 
 
@@ -199,7 +199,7 @@ class MissionCheck(Told):
 
     def __repr__(self) -> str:
         verdicts = ", ".join(f"{name}: {verdict.holds}" for name, verdict in self.verdicts.items())
-        return f"<check of the mission {self.mission_net.mission.name}: {verdicts}>"
+        return f"<check of the mission {self.mission_net.core.name}: {verdicts}>"
 
     @cached_property
     def marking_sizes(self) -> tuple[int, int] | None:
@@ -289,7 +289,7 @@ def check(
     """
     spaces = spaces_of(subject, **asked)
     requirements: list[AskedRequirement] = []
-    if spaces.mission.mission.requires:  # understood before anything is explored
+    if spaces.mission.graph.requirements:  # understood before anything is explored
         from mcpn.answers.requirements import asked_of
 
         requirements = asked_of(spaces.mission)

@@ -14,12 +14,12 @@ from functools import cached_property
 from itertools import chain
 from typing import Generic, NamedTuple
 
+from mcpn.answers.verdicts.as_written import helpers_of
 from mcpn.answers.verdicts.unreachable import objectives_run
 from mcpn.drawing.compose import MissionNet
 from mcpn.events import Event, What
-from mcpn.mission.core.copies import Written
 from mcpn.mission.core.objectives_graph import ElementarySection, ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, WHOLE, Mission, walk
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, WHOLE
 from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.nets.petri import Marking
 from mcpn.sentences import enumeration, shortened
@@ -222,7 +222,7 @@ class NominalRuns(Generic[S]):
 
     def _awaited(self, circling: S, success: S) -> list[str]:
         """The declared events that change facts on a way from a loop to success; none where none does."""
-        changing = {Event(What.DECLARED, e.name) for e in self.mission_net.mission.events if e.changes_facts}
+        changing = {Event(What.DECLARED, e.name) for e in self.mission_net.core.events if e.changes_facts}
         awaited = self.space.net.events.of(*changing)
         if not awaited:
             return []
@@ -306,7 +306,7 @@ def meant_to_be_entered(mission_net: MissionNet) -> Iterator[str]:
     may what successes of helpers alone lead to.
     """
     graph, copies = mission_net.graph, mission_net.graph.copies
-    helpers, failing = frozenset(_helpers(mission_net.mission)), copies.meant_as("fails")
+    helpers, failing = frozenset(helpers_of(mission_net.mission)), copies.meant_as("fails")
 
     def helps(section: Section) -> bool:
         return all(copies.around(leaf.name) & helpers for leaf in section.walk())
@@ -381,19 +381,3 @@ def _led_as_meant(section: Section, failing: Set[str]) -> Iterator[str]:
     for end, target in section.outcomes:
         if end in ends and not section.cases_of(end):
             yield target
-
-
-def _helpers(mission: Mission) -> Iterator[Written]:
-    """The blocks that a text leads to by anything but success, and those that are run for others."""
-    yield from (("", target) for handler in mission.handlers for target in handler.targets)
-    for text, blocks in (("", mission.blocks), *((p.name, p.blocks) for p in mission.protocols)):
-        for block in walk(blocks):
-            late = block.timeout_goto
-            events = (target for handler in block.handlers for target in (*handler.targets, handler.pause))
-            chosen = (
-                *(guard.otherwise for guard in block.guards),
-                *(route.goto for route in block.routes),
-            )
-            for target in (block.failure, block.abort, late, block.recover, *events, *chosen):
-                if target is not None:
-                    yield text, target

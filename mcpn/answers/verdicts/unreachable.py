@@ -12,12 +12,12 @@ from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, S
 from functools import cache
 from typing import NamedTuple
 
+from mcpn.answers.verdicts.as_written import led_to_by_events
 from mcpn.answers.verdicts.routing import Routing
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import Problem
 from mcpn.events import Event, What
 from mcpn.mission.core.copies import Copies, Written
-from mcpn.mission.model import ABORT, Block, Holder, Mission, Use, walk
 from mcpn.mission.static.resource_use import Usage
 from mcpn.mission.static.warnings import (
     in_order,
@@ -101,7 +101,7 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
         space: Its stable states, or its markings.
         firings: By transition how often it fires between them.
     """
-    usage, mission = mission_net.usage, mission_net.mission
+    usage, mission = mission_net.usage, mission_net.core
     events = (mission_net.net.event(t) for t, count in firings.items() if count)
     happens = {event for event in events if event is not None}
     selected, entered = selected_and_entered(mission_net, space)
@@ -178,8 +178,8 @@ def changing_nothing(mission_net: MissionNet, space: Space[S]) -> Iterator[Ignor
         space: Its stable states, or its markings.
     """
     graph, events = mission_net.graph, mission_net.net.events
-    answers = targets(mission_net.mission)
-    for declared in mission_net.mission.events:
+    answers = led_to_by_events(mission_net.mission)
+    for declared in mission_net.core.events:
         if declared.changes_facts:
             continue  # it changes facts, and interrupts nothing
         own = events.of(Event(What.DECLARED, declared.name))
@@ -200,56 +200,3 @@ def changing_nothing(mission_net: MissionNet, space: Space[S]) -> Iterator[Ignor
 def _inside(copies: Copies, blocks: frozenset[Written]) -> set[str]:
     """The objectives in some blocks, in all copies of them."""
     return {name for name in copies.objectives if blocks and not blocks.isdisjoint(copies.around(name))}
-
-
-def targets(mission: Mission) -> Mapping[str, frozenset[Written]]:
-    """By declared event the blocks that its handlers lead to: by their names, or by an abort that is caught.
-
-    Where a handler says ``succeed`` or ``fail``, what follows is what follows without the event, too.
-
-    Examples:
-        >>> from mcpn.mission.model import Handler, Mission, Objective
-        >>> see = Objective(name="see", activities=("film",), handlers=(Handler(event="storm", goto="hide"),))
-        >>> targets(Mission(name="m", blocks=(see, Objective(name="hide", activities=("drift",)))))
-        {'storm': frozenset({('', 'hide')})}
-    """
-    texts: dict[str, tuple[Block, ...]] = {"": mission.blocks}
-    texts |= {protocol.name: protocol.blocks for protocol in mission.protocols}
-    around: dict[Written, Written] = {}
-    users: dict[str, list[Written]] = {}
-    blocks: dict[Written, Block] = {}
-    for text, roots in texts.items():
-        for block in walk(roots):
-            blocks[text, block.name] = block
-            if isinstance(block, Holder):
-                around |= {(text, inner.name): (text, block.name) for inner in block.blocks}
-            if isinstance(block, Use):
-                users.setdefault(block.protocol, []).append((text, block.name))
-
-    def caught(block: Written) -> Iterator[Written]:
-        """Where an abort of the parent of a block is caught."""
-        outer, seen = [around[block]] if block in around else list(users.get(block[0], ())), set[Written]()
-        while outer:
-            here = outer.pop()
-            if here in seen:
-                continue
-            seen.add(here)
-            to = (here[0], blocks[here].abort or ABORT)
-            if to in blocks:
-                yield to
-            elif to[1] == ABORT:
-                outer += [around[here]] if here in around else users.get(here[0], ())
-
-    found: dict[str, set[Written]] = {}
-    owners = [(name, block.handlers) for name, block in blocks.items()]
-    for owner, handlers in (*owners, (("", ""), mission.handlers)):
-        for handler in handlers:
-            if handler.event is None:
-                continue
-            leads = found.setdefault(handler.event, set())
-            for target in handler.targets or (handler.pause or "",):
-                if (owner[0], target) in blocks:
-                    leads.add((owner[0], target))
-                elif target == ABORT and owner[1]:
-                    leads.update(caught(owner))
-    return {event: frozenset(leads) for event, leads in found.items()}

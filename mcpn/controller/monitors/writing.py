@@ -53,15 +53,15 @@ def monitors_of(spaces: MissionSpaces, within: bool = False) -> MissionMonitors:
     mission_net = spaces.mission
     asked = [(each, on_one_path(each)) for each in asked_of(mission_net)]
     if not asked:
-        message = f"mission {mission_net.mission.name} has no requirements to watch: expected <requirement>"
-        raise InputError.at(mission_net.mission.source, message)
+        message = f"mission {mission_net.core.name} has no requirements to watch: expected <requirement>"
+        raise InputError.at(mission_net.core.source, message)
     if not any(formula for _, formula in asked):
         message = "no requirement speaks of each run by itself, as formulas of LTL and patterns do"
-        raise InputError.at(mission_net.mission.source, f"{message}: there is nothing to watch")
+        raise InputError.at(mission_net.core.source, f"{message}: there is nothing to watch")
     stable, _ = spaces.stable(Choice(EXPLICIT, max_states=spaces.max_states))
     watcher = Watcher(stable, mission_net.ends.values())
     return MissionMonitors(
-        mission_net.mission.name,
+        mission_net.core.name,
         tuple(sorted(map(str, mission_net.net.events))),
         tuple(watcher.monitor(each, formula, within) for each, formula in asked if formula is not None),
         tuple(each.name for each, formula in asked if formula is None),

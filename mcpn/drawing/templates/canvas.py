@@ -192,7 +192,7 @@ class Canvas(NetBuilder):
     @cached_property
     def asking(self) -> str:
         """The place that says that facts are asked, after all that the event itself ends has ended."""
-        return self.place_of("mission", self.usage.mission.name, "asking")
+        return self.place_of("mission", self.usage.core.name, "asking")
 
     @cached_property
     def resting(self) -> list[str]:
@@ -202,7 +202,7 @@ class Canvas(NetBuilder):
         """
         usage = self.usage
         drawn = (a for a in usage.started if ("activity", a) not in self.left_out)
-        name = self.place_of("mission", usage.mission.name, "resting")
+        name = self.place_of("mission", usage.core.name, "resting")
         return [name] if any(map(usage.sharing.kept, drawn)) else []
 
     def role(self, place: str, role: Role) -> str:

@@ -26,7 +26,7 @@ def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
         canvas: Where to draw.
         graph: The objectives graph.
     """
-    mission = canvas.usage.mission
+    mission = canvas.usage.core
     pen = canvas.of("mission", mission.name, mission.source)
     begin = pen.place("begin", initial=1)
     success = canvas.role(pen.place("success"), ("success", mission.name))

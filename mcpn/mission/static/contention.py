@@ -8,7 +8,6 @@ from typing import NamedTuple
 from mcpn.errors import Problem, Source
 from mcpn.mission.core.copies import grouped
 from mcpn.mission.core.objectives_graph import ObjectivesGraph
-from mcpn.mission.model import Mission
 
 
 class Contention(NamedTuple):
@@ -42,14 +41,11 @@ class Contention(NamedTuple):
         return self.wanted.startswith("activity ")
 
 
-def contention_warnings(
-    contentions: Iterable[Contention], mission: Mission, graph: ObjectivesGraph
-) -> Iterator[Problem]:
+def contention_warnings(contentions: Iterable[Contention], graph: ObjectivesGraph) -> Iterator[Problem]:
     """One warning for each pair of rivals, however many copies of a block are their context.
 
     Args:
         contentions: Those of the mission.
-        mission: A valid mission.
         graph: Its objectives graph.
     """
     copies = graph.copies

@@ -32,7 +32,7 @@ class Suppliers:
         self.mission = mission
         self.core = core = graph.core
         self.graph = graph
-        self.world = FactUsage(mission)
+        self.world = FactUsage(core)
         self.hardware: Mapping[str, Hardware] = {h.name: h for h in core.hardware}
         self.activities: Mapping[str, Activity] = {a.name: a for a in core.activities}
         self.producer: Mapping[str, str] = {s: a.name for a in core.activities for s in a.produces}

@@ -1,4 +1,10 @@
-"""What is suspicious in a valid mission, though it can be verified as it stands."""
+"""What is suspicious in a valid mission, though it can be verified as it stands.
+
+It is asked of the core mission, whose elements have their author's lines, and is said once of all copies of
+one. Two kinds of warnings are not: what runs for another block and then does not go on there
+(:func:`_leading_out`), and what is said of facts (:mod:`mcpn.mission.fact_warnings`), speak of ``recover``,
+``pause`` and ``<enter>``, which no core mission has.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +37,7 @@ def find_warnings(subject: Mission | Usage) -> list[Problem]:
 
 def static_warnings(usage: Usage) -> list[Problem]:
     """All warnings that need no state space: those of :func:`find_warnings`, and contentions."""
-    problems = (*find_warnings(usage), *contention_warnings(usage.contentions, usage.mission, usage.graph))
+    problems = (*find_warnings(usage), *contention_warnings(usage.contentions, usage.graph))
     return list({str(problem): problem for problem in problems}.values())
 
 
@@ -82,11 +88,11 @@ def never_used(core: Mission, used: Collection[str]) -> Iterator[Problem]:
 
 
 def _warnings(usage: Usage) -> Iterator[Problem]:
-    mission, graph = usage.mission, usage.graph
+    core, graph = usage.core, usage.graph
     started = frozenset(usage.started)
     ways = [way for name in started for way in usage.activities[name].alternatives]
     consumed = {resource for way in ways for resource in way.consumes}
-    for activity in usage.core.activities:
+    for activity in core.activities:
         if activity.name not in started:
             yield Problem(activity.source, f"activity {activity.name} is never started")
         for number, alternative in enumerate(activity.alternatives[:-1]):
@@ -95,19 +101,19 @@ def _warnings(usage: Usage) -> Iterator[Problem]:
                     message = f"alternative {late.name} is never tried: {alternative.name} is always possible"
                     yield Problem(late.source, message)
                 break
-    yield from never_used(usage.core, consumed)
+    yield from never_used(core, consumed)
     handled = {i.event for section in graph.all_sections() for i in section.interruptions}
-    for event in mission.events:
+    for event in core.events:
         if event.name not in handled and not event.changes_facts:
             yield Problem(event.source, f"event {event.name} interrupts nothing")
-    texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
-    used = {block.protocol for blocks in texts for block in walk(blocks) if isinstance(block, Use)}
-    for protocol in mission.protocols:
+    left = [block for protocol in core.protocols for block in walk(protocol.blocks)]  # by the pass of uses
+    used = {block.protocol for block in left if isinstance(block, Use)}
+    for protocol in core.protocols:
         if protocol.name not in used:
             yield Problem(protocol.source, f"protocol {protocol.name} is never used")
-    yield from fact_warnings(usage.world, graph)
-    yield from _vain(mission)
-    yield from _leading_out(mission)
+    yield from fact_warnings(usage.mission, usage.world, graph)
+    yield from _vain(core)
+    yield from _leading_out(usage.mission)
     yield from never_entered(usage)
 
 
@@ -139,9 +145,10 @@ def _leading_out(mission: Mission) -> Iterator[Problem]:
                     yield Problem(handler.source, message)
 
 
-def _vain(mission: Mission) -> Iterator[Problem]:
-    """Blocks that route an abort though nothing in them aborts."""
-    protocols = {protocol.name: protocol.blocks for protocol in mission.protocols}
+def _vain(core: Mission) -> Iterator[Problem]:
+    """Blocks that route an abort though nothing in them aborts, each once, whatever copies it has."""
+    protocols = {protocol.name: protocol.blocks for protocol in core.protocols}  # that nothing uses
+    found = dict[str, Problem]()
 
     @cache
     def leaves(protocol: str) -> bool:
@@ -160,7 +167,10 @@ def _vain(mission: Mission) -> Iterator[Problem]:
         routes += [*(route.goto for route in block.routes), *(guard.otherwise for guard in block.guards)]
         return ABORT in routes or (block.abort in (None, ABORT) and aborts(block))
 
-    for blocks in (mission.blocks, *protocols.values()):
+    for blocks in (core.blocks, *protocols.values()):
         for block in walk(blocks):
             if block.abort is not None and not aborts(block):
-                yield Problem(block.source, f"abort of {block.name} has no effect: nothing in it aborts")
+                message = f"abort of {block.written} has no effect: nothing in it aborts"
+                problem = Problem(block.source, message)
+                found.setdefault(str(problem), problem)
+    yield from found.values()

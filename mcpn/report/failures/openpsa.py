@@ -175,10 +175,10 @@ class FaultTree:
     def document(self, label: str) -> bytes:
         """The whole tree with its basic events, and what is to be said of it."""
         root = etree.Element("opsa-mef")
-        tree = etree.SubElement(root, "define-fault-tree", name=_identifier(self.usage.mission.name))
+        tree = etree.SubElement(root, "define-fault-tree", name=_identifier(self.usage.core.name))
         etree.SubElement(tree, "label").text = label
-        labels = {MISSION: f"mission {self.usage.mission.name} cannot succeed"}
-        labels[ROBOT] = f"mission {self.usage.mission.name} can reach no safe end, success or abort"
+        labels = {MISSION: f"mission {self.usage.core.name} cannot succeed"}
+        labels[ROBOT] = f"mission {self.usage.core.name} can reach no safe end, success or abort"
         labels |= {_objective(o.name): f"{o.name} cannot succeed" for o in self.usage.graph.walk()}
         labels |= {_activity(name): f"{name} has no possible alternative" for name in self.usage.started}
         for name in filter(self.gates.__contains__, labels):

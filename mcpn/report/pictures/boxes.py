@@ -1,4 +1,8 @@
-"""The tree of boxes that draws a mission as it was written; protocols are drawn where they are used."""
+"""The tree of boxes that draws a mission as it was written; protocols are drawn where they are used.
+
+It is the author's mission that is drawn: a core mission has every round, try, run and use by itself, where a
+picture shows one box that says how many. The core mission is shown by the picture of the objectives graph.
+"""
 
 from __future__ import annotations
 
