@@ -44,7 +44,6 @@ from mcpn.mission.model import (
 from mcpn.mission.passes import core
 from mcpn.mission.passes.pauses import runs_for
 from mcpn.mission.reasons import probabilities, reason
-from mcpn.mission.rewriting.limits import Counted
 from mcpn.mission.validate import valid
 
 
@@ -81,7 +80,6 @@ class _Flattening:
         copies = (block for block in walk(self.written_out.blocks) if block.resumes is not None)
         self.resuming = {(block.resumes, runs_for(block)): self.entry(block) for block in copies}
         """By what is stopped, and the sibling that is run meanwhile, the section that is entered then."""
-        self.counted = Counted()
 
     def mission(self) -> ObjectivesGraph:
         """The graph of the mission."""
@@ -206,7 +204,6 @@ class _Flattening:
             self.series(block.blocks, scope.into(block), leads.exits, sections, whole=block.stem)
 
     def objective(self, block: Objective, scope: Scope, leads: Destinations) -> ElementarySection:
-        self.counted.add(len(block.parameters), block.source)
         reasons = tuple(map(reason, block.failures))
         leads = leads.of_reasons(each.name for each in reasons)
         whole, parts = probabilities(block, reasons)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from mcpn.mission.core.copies import BlockPosition
 from mcpn.mission.core.routes import Interruption
 from mcpn.mission.model import Block, Recursive
+from mcpn.mission.rewriting.handlers import in_effect
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,14 +40,9 @@ class Scope:
     @property
     def interruptions(self) -> tuple[Interruption, ...]:
         """Handlers that can take effect here: of each event up to the first that may happen again."""
-        closed: set[str] = set()
-        found = []
-        for handler in self.handlers:
-            if handler.event not in closed:
-                found.append(handler)
-            if handler.once is None:
-                closed.add(handler.event)
-        return tuple(found)
+        if not self.handlers:  # as in most missions
+            return ()
+        return tuple(in_effect(self.handlers, lambda one: one.event, lambda one: one.once is not None))
 
     def into(self, block: Block) -> Scope:
         """The scope of what a block holds."""

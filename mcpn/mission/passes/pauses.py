@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from mcpn.errors import InputError, Problem
 from mcpn.mission.model import FAIL, UNNAMED, Block, Handler, Mission, Objective, Parallel, Recursive, walk
 from mcpn.mission.rewriting.copying import copied
+from mcpn.mission.rewriting.handlers import in_effect
 from mcpn.mission.rewriting.limits import Counted
 from mcpn.mission.rewriting.siblings import entered, pausing, recovering
 
@@ -135,14 +136,8 @@ def _stopped(blocks: Iterable[Block], around: Sequence[tuple[str, Handler]] = ()
 
 
 def _in_effect(handlers: Iterable[tuple[str, Handler]]) -> list[tuple[str, Handler]]:
-    """Of handlers, the innermost first, those of each event up to the first that may happen again."""
-    closed, found = set[str | None](), list[tuple[str, Handler]]()
-    for name, handler in handlers:
-        if handler.event not in closed:
-            found.append((name, handler))
-        if not handler.once:
-            closed.add(handler.event)
-    return found
+    """Those in effect, each with the name of its block."""
+    return in_effect(handlers, lambda said: said[1].event, lambda said: said[1].once)
 
 
 def _pausing(at: _Stopped, runs: Collection[str]) -> list[Handler]:
