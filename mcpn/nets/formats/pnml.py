@@ -54,7 +54,7 @@ _NODES = "page place transition arc referencePlace referenceTransition"
 _LABEL = Declared("", f"text value {_DRAWN}")
 
 KNOWN = {
-    "pnml": Declared("", "net -toolspecific -finalmarkings -k-bound -query -queries feature"),
+    "pnml": Declared("type -id", "net -toolspecific -finalmarkings -k-bound -query -queries feature"),
     "feature": Declared("-isTimed isGame=false isColored=false isStochastic=false"),
     "net": Declared("id type name active=true", f"name {_NODES} {_DRAWN} token -labels -finalmarkings"),
     "token": Declared("id=Default -enabled -red -green -blue"),
@@ -198,10 +198,13 @@ class _PnmlReader:
             return
         if self.net is not None:
             refuse(self.file, element, "expected <pnml> with one <net>, found a second")
-        kind = element.get("type", "").strip()
-        if _of_scheme(kind) not in NET_TYPES:
-            said = f"expected a place/transition net (type {NET_TYPE}), found type {quoted(kind)}"
-            refuse(self.file, element, said)
+        root = element.getparent()
+        of_root = None if root is None else root.get("type")  # where bpmn2pnml-ltl-analyzer says it
+        said = [kind.strip() for kind in (of_root, element.get("type")) if kind is not None]
+        for kind in said or [""]:
+            if _of_scheme(kind) not in NET_TYPES:
+                expected = f"expected a place/transition net (type {NET_TYPE}), found type {quoted(kind)}"
+                refuse(self.file, element, expected)
         self.net = element.get("id", "")
 
     def ends(self, element: etree._Element, *, of_net: bool) -> None:

@@ -187,6 +187,33 @@ def test_a_net_of_woped_is_read(tmp_path: Path) -> None:
     assert net.transitions[0].label == "split"
 
 
+BPMN2PNML = """<?xml version="1.0" encoding="UTF-8"?>
+<pnml type="http://www.informatik.hu-berlin.de/top/pntd/ptNetb" id="noID">
+  <net>
+    <place id="f1"><name><text>p_f1</text></name><initialMarking><text>1</text></initialMarking></place>
+    <place id="f2"><name><text>p_f2</text></name><initialMarking><text>0</text></initialMarking></place>
+    <transition id="a"><name><text>a</text></name></transition>
+    <arc id="arc_f1_to_a" source="f1" target="a"/>
+    <arc id="arc_a_to_f2" source="a" target="f2"/>
+  </net>
+</pnml>"""
+
+
+def test_a_type_of_the_net_may_stand_on_the_root(tmp_path: Path) -> None:
+    """As bpmn2pnml-ltl-analyzer writes it; one that is not known is refused there, too."""
+    net = read(BPMN2PNML, tmp_path)
+    assert arcs(net, "a") == ({"f1": 1}, {"f2": 1}, {})
+    assert net.initial == (1, 0)
+    coloured = "http://www.pnml.org/version-2009/grammar/symmetricnet"
+    for wrong in (
+        BPMN2PNML.replace("http://www.informatik.hu-berlin.de/top/pntd/ptNetb", coloured),
+        BPMN2PNML.replace("<net>", f'<net type="{coloured}">'),
+        net_of(BASE).replace("<pnml>", f'<pnml type="{coloured}">'),
+    ):
+        with pytest.raises(InputError, match="expected a place/transition net .*, found type '.*symmetricnet'"):
+            read(wrong, tmp_path)
+
+
 def test_a_net_of_pipe_is_read(tmp_path: Path) -> None:
     net = read(PIPE, tmp_path)
     assert net.initial[:2] == (3, 1)
