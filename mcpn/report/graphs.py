@@ -10,6 +10,7 @@ from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
+from mcpn.nets.formats.dot import dot_string
 from mcpn.report.pictures.drawing import KNOWN as PICTURES
 from mcpn.spaces.stable.alternatives import AlternativesGraph
 
@@ -61,8 +62,8 @@ def save_graph(
         write_atomically(path, json.dumps(document, indent=1) + "\n")
     elif suffix == ".dot":
         lines = ["digraph alternatives {"]
-        lines += [f"  {n} [label={json.dumps(_label(state))}];" for n, state in enumerate(said)]
-        lines += [f"  {source} -> {target} [label={json.dumps(event)}];" for source, event, target in edges]
+        lines += [f"  {n} [label={dot_string(_label(state))}];" for n, state in enumerate(said)]
+        lines += [f"  {source} -> {target} [label={dot_string(event)}];" for source, event, target in edges]
         write_atomically(path, "\n".join([*lines, "}"]) + "\n")
     elif suffix == ".graphml":
         import networkx
@@ -72,7 +73,7 @@ def save_graph(
             drawn.add_node(number, label=_label(state))
         for source, event, target in edges:
             drawn.add_edge(source, target, event=event)
-        write_atomically(path, "\n".join(networkx.generate_graphml(drawn)) + "\n")
+        write_atomically(path, "\n".join(networkx.generate_graphml(drawn, named_key_ids=True)) + "\n")
     else:
         known = ", ".join(KNOWN)
         raise InputError.at(

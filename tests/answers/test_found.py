@@ -180,6 +180,16 @@ def test_diagrams_are_shown_node_by_node() -> None:
         study.satisfying(engine="explicit").diagram()
 
 
+def test_drawn_diagrams_show_names_as_they_are() -> None:
+    """Graphviz knows no escapes of JSON, and reads ``&amp;`` as the sign."""
+    builder = NetBuilder("n")
+    builder.place("tête & queue", initial=1)
+    builder.transition("t", consume={"tête & queue": 1})
+    found = Study(builder.build()).satisfying(engine="symbolic")
+    labels = [line for line in found.diagram().to_dot().splitlines() if line.startswith("  n0 [")]
+    assert labels == ['  n0 [label="tête &amp; queue"];']
+
+
 def test_graphs_have_a_length_and_can_be_walked(ulysse: Mission) -> None:
     graph = mcpn.open(ulysse).graph()
     assert len(graph) == graph.states == len(list(graph)) == 260

@@ -29,7 +29,7 @@ def write_dot(net: PetriNet) -> str:
 
 
 def _lines(net: PetriNet) -> Iterator[str]:
-    yield f"digraph {_quote(net.name)} {{"
+    yield f"digraph {dot_string(net.name)} {{"
     yield "  rankdir=LR;"
     yield '  node [fontname="Helvetica", fontsize=10];'
     clusters: dict[str, list[str]] = {}
@@ -40,7 +40,7 @@ def _lines(net: PetriNet) -> Iterator[str]:
     for number, (name, nodes) in enumerate(clusters.items()):
         if name:
             yield f"  subgraph cluster_{number} {{"
-            yield f"    label={_quote(name)}; color=gray70; fontsize=11;"
+            yield f"    label={dot_string(name)}; color=gray70; fontsize=11;"
             yield from (f"    {node}" for node in nodes)
             yield "  }"
         else:
@@ -61,7 +61,7 @@ def _cluster(node: Place | Transition) -> str:
 
 def _place(number: int, place: Place) -> str:
     tokens = {0: "", 1: "&#9679;"}.get(place.initial, str(place.initial))
-    label = f'label="{tokens}", xlabel={_quote(place.name)}'
+    label = f'label="{tokens}", xlabel={dot_string(place.name)}'
     size = "width=0.3, fixedsize=true" if place.initial < 100 else "width=0.3"  # a long number widens it
     return f"p{number} [shape=circle, {size}, {label}];"
 
@@ -69,9 +69,9 @@ def _place(number: int, place: Place) -> str:
 def _transition(number: int, transition: Transition) -> str:
     if transition.internal:
         bar = 'shape=box, height=0.1, width=0.35, style=filled, fillcolor=gray30, label=""'
-        look = f"{bar}, xlabel={_quote(transition.name)}"
+        look = f"{bar}, xlabel={dot_string(transition.name)}"
     else:
-        look = f"shape=box, color=firebrick, label={_quote(str(transition.event))}"
+        look = f"shape=box, color=firebrick, label={dot_string(str(transition.event))}"
     return f"t{number} [{look}];"
 
 
@@ -80,6 +80,10 @@ def _weight(weight: int, *attributes: str) -> str:
     return f" [{', '.join(shown)}]" if shown else ""
 
 
-def _quote(text: str) -> str:
-    # Graphviz reads backslashes and the character references of HTML in any label.
+def dot_string(text: str) -> str:
+    """A text as a string of DOT that Graphviz shows as it is.
+
+    Graphviz reads backslashes and the character references of HTML in any label; other escapes, such as those
+    of JSON, it shows.
+    """
     return '"' + text.replace("&", "&amp;").replace("\\", "\\\\").replace('"', '\\"') + '"'

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError
+from mcpn.nets.formats.dot import dot_string
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.diagrams.encoding import Levels
 
@@ -68,7 +68,7 @@ class Diagram:
         """
         lines = ["digraph diagram {", '  end [label="1", shape=box];']
         for number, node in enumerate(self.nodes):
-            lines.append(f"  n{number} [label={json.dumps(node.place)}];")
+            lines.append(f"  n{number} [label={dot_string(node.place)}];")
             for style, target in (("dashed", node.low), ("solid", node.high)):
                 if target != EMPTY:
                     name = "end" if target == END else f"n{target}"
