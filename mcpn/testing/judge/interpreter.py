@@ -120,7 +120,10 @@ class Interpreter:
         self.timed = {node.name: node for node in _nodes(self.root) if node.timeout is not None}
         self.pause_graphs = {pause_graph.name: pause_graph for pause_graph in _shelters(self.root)}
         values = {fact.name: fact.initial or fact.values[0] for fact in mission.every_fact}
-        values |= dict.fromkeys(_read_of_objectives(mission), "false")
+        self.kept = (
+            frozenset(_read_of_objectives(mission)) - values.keys()
+        )  # core missions declare and set them
+        values |= dict.fromkeys(self.kept, "false")
         hardware = [h for robot in mission.robots for h in robot.hardware]
         self.lasting = {h.name for h in hardware if not h.repairable}
         self.lasting |= {f.name for robot in mission.robots for f in robot.faults if not f.repairable}
@@ -243,7 +246,7 @@ class Interpreter:
                 state = replace(state, suspected=state.suspected | self.misused(state, element))
             state = changed(state, {c.fact: c.to for c in node.sets if (c.on or SUCCESS) == occasion})
             done = f"done({node.written})"
-            if what == SUCCESS and done in dict(state.facts):
+            if what == SUCCESS and done in self.kept:
                 state = changed(state, {done: "true"})
             by = {SUCCESS: SUCCEED, TIMEOUT: TIMED_OUT}.get(what) or what.replace(FAILURE, FAIL, 1)
             routes = [led(state, node, by)]
