@@ -3,7 +3,6 @@
 // any form in pairs.
 //
 // controller_checker CERTIFICATE CONTROLLER [--max-states N] [--seconds S]
-#include "listing.hpp"
 #include "walked.hpp"
 
 class Walk {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "command.hpp"
+#include "listing.hpp"
 #include "robot.hpp"
 
 // The controller of a file.
