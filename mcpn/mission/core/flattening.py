@@ -58,8 +58,7 @@ def flatten(mission: Mission) -> ObjectivesGraph:
 
     Raises:
         InputError: The mission is not valid, with every problem.
-        LimitError: Uses of protocols expand to more than :data:`MAX_OBJECTIVES` objectives, to more than
-            :data:`MAX_PARAMETERS` parameters of objectives, or to blocks more than :data:`MAX_NESTING` deep.
+        LimitError: Its core mission would be too large (:mod:`mcpn.mission.rewriting.limits`).
     """
     flattening = _Flattening(valid(mission))
     graph = flattening.mission()
@@ -121,30 +120,33 @@ class _Flattening:
             leads = deciding(block, routes, leads, self.facts, copy=block.stem == whole)
             leads = leads._replace(becoming=self.becoming(block, routes))
             if block.resumes is not None:
-                self.meanwhile(block, scope, routes, leads, sections)
+                self.meanwhile(block, inner, scope, routes, leads, sections)
             else:
                 self.block(block, inner, leads, sections)
 
     def meanwhile(
         self,
         block: Block,
-        scope: Scope,
+        inner: Scope,
+        around: Scope,
         routes: Mapping[str, Destination],
         leads: Destinations,
         sections: list[Section],
     ) -> None:
-        """Adds what runs while something is stopped: beside an objective, or into a parallel block."""
+        """Adds what runs while something is stopped: beside an objective, or into a parallel block.
+
+        In a parallel block its own handlers are in effect, and where these are not, those around it.
+        """
         number = next(n for n, section in enumerate(sections) if section.name == block.resumes)
         stopped, inside = sections[number], list[Section]()
         if isinstance(stopped, ElementarySection):
-            inner = self.handling(scope, block.handlers, routes, block.written)
             self.block(block, inner, leads._replace(success=Destination(stopped.name)), sections)
             return
-        inner = self.handling(replace(scope, handlers=()), block.handlers, routes, block.written)
+        own = self.handling(replace(around, handlers=()), block.handlers, routes, block.written)
         end = Destination(end_of_pause(stopped.name))
-        self.block(block, inner, leads._replace(success=end), inside)
+        self.block(block, own, leads._replace(success=end), inside)
         pause_graph = PauseGraph(
-            ObjectivesGraph(tuple(inside), self.entry(block)).reachable(), scope.interruptions
+            ObjectivesGraph(tuple(inside), self.entry(block)).reachable(), around.interruptions
         )
         sections[number] = with_pause_graph(stopped, pause_graph, f"{PAUSE}{runs_for(block)}")
 
