@@ -210,7 +210,8 @@ def test_a_type_of_the_net_may_stand_on_the_root(tmp_path: Path) -> None:
         BPMN2PNML.replace("<net>", f'<net type="{coloured}">'),
         net_of(BASE).replace("<pnml>", f'<pnml type="{coloured}">'),
     ):
-        with pytest.raises(InputError, match="expected a place/transition net .*, found type '.*symmetricnet'"):
+        found = r"expected a place/transition net .*, found type '.*symmetricnet'"
+        with pytest.raises(InputError, match=found):
             read(wrong, tmp_path)
 
 
