@@ -82,10 +82,21 @@ class LeavingOut:
         routes = {route for name in names for route in space.stages[name].routes.values()}
         onward = {r: self.hopeful.of(r) for r in routes if self.position.get(r, low) < low}
         goal = CompositeSet(space, {**onward, **(self.goal & within).parts})
+        if len(names) == 1 and self._never_leads_on(names[0], goal, left_out):
+            return False
         found = space.reaching(goal, within, Without(self.every, left_out))
         return bool(found & space.initial) or any(
             states & found.of(name) for name in names for states in self._into(name, high)
         )
+
+    def _never_leads_on(self, name: str, goal: CompositeSet, left_out: frozenset[int]) -> bool:
+        """Whether it is seen at once that no exit which leads to a goal is reached without some events."""
+        stage = self.space.stages[name]
+        if goal.of(name):
+            return False
+        own = frozenset(t for t in stage.type.carrying if stage.transitions[t] in left_out)
+        onward = (exit_ for exit_, route in stage.routes.items() if goal.of(route))
+        return stage.type.may_lead_to(own).isdisjoint(onward)
 
     def _into(self, name: str, high: int) -> Iterator[Zdd]:
         """The states in which a section is entered from before some position."""

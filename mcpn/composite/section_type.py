@@ -6,7 +6,7 @@ the section's own slots are open in it. What is computed once for a set serves e
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property, partial
 from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
@@ -137,6 +137,47 @@ class SectionType:
     def _ends(self, transition: int) -> bool:
         after = self.graph.after(self.inside, [transition])
         return any(after & ended for ended in self.ended.values())
+
+    @memoized
+    def may_lead_to(self, left_out: frozenset[int]) -> frozenset[Exit]:
+        """The exits that runs without some events of the section may lead to, and maybe others.
+
+        The places that are marked on some run are among those that are if no firing takes a token away (the
+        delete relaxation of planning), and an exit that is not among these is never reached.
+        """
+        missing, marked, queue = self._needed.copy(), set[int](), list[int]()
+
+        def mark(places: Iterable[int]) -> None:
+            for place in places:
+                if place not in marked:
+                    marked.add(place)
+                    queue.append(place)
+
+        transitions = self.net.net.safe_transitions
+        mark(place for place, tokens in enumerate(self.net.net.initial) if tokens)
+        for t, needed in enumerate(missing):
+            if not needed and t not in left_out:
+                mark(transitions[t].produce)
+        while queue:
+            for t in self._users[queue.pop()]:
+                missing[t] -= 1
+                if not missing[t] and t not in left_out:
+                    mark(transitions[t].produce)
+        return frozenset(exit_ for exit_, place in self.net.exits.items() if place in marked)
+
+    @cached_property
+    def _needed(self) -> list[int]:
+        """By transition of the local net, how many places must be marked for it."""
+        return [len(t.consume) + len(t.read) for t in self.net.net.safe_transitions]
+
+    @cached_property
+    def _users(self) -> list[list[int]]:
+        """By place of the local net, the transitions for which it must be marked."""
+        users: list[list[int]] = [[] for _ in self.net.net.places]
+        for t, each in enumerate(self.net.net.safe_transitions):
+            for place in (*each.consume, *each.read):
+                users[place].append(t)
+        return users
 
     @memoized
     def crossing(

@@ -7,14 +7,16 @@ from typing import Any
 import pytest
 from hypothesis import given
 
+from mcpn._kernel import Zdd
 from mcpn.answers.claims import claims_of
 from mcpn.answers.verdicts.mission import check
 from mcpn.composite.composing import composite_space
 from mcpn.composite.glued import Glued, SectionSets
+from mcpn.composite.section_type import Allowed, SectionType
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.events import What
-from mcpn.mission.model import SUCCEED, Handler, Mission, Objective
+from mcpn.events import Event, What
+from mcpn.mission.model import SUCCEED, Handler, Mission, Objective, Parallel
 from mcpn.spaces.by_steps import BySteps
 from mcpn.testing import missions
 from tests.draws import composed, fewer
@@ -78,6 +80,38 @@ def test_success_may_come_before_what_is_left_out() -> None:
         claims = claims_of(check(net, engine="local"))
         without = {c.subject[0] for c in claims if c.kind == "succeeds_without" and c.holds}
         assert without == {"first", "last"}
+
+
+@pytest.mark.parametrize("pause", [False, True])
+def test_what_a_block_waits_for_is_needed_without_a_closure(
+    pause: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No exit of the block is in reach then, even if firings took no token; of an optional branch one is."""
+    asked, work = list[frozenset[int] | None](), SectionType.reaching.func
+
+    def counted(self: SectionType) -> Any:
+        reaching = work(self)
+
+        def noted(goal: Zdd, along: Zdd, allowed: Allowed) -> Zdd:
+            asked.append(allowed.local)
+            return reaching(goal, along, allowed)
+
+        return noted
+
+    going = [activity(f"go{i}", (f"H{i}",)) for i in range(4)]
+    doing = robot(hw("H0", "H1", "H2", "H3"), *going, events=("storm",))
+    branches = (*(Objective(name=f"o{i}", activities=(f"go{i}",)) for i in range(3)),)
+    extra = Objective(name="extra", activities=("go3",), mandatory=False)
+    handlers = (Handler(event="storm", pause="shelter"),) if pause else ()
+    block = Parallel(name="all", blocks=(*branches, extra), handlers=handlers, success=SUCCEED)
+    net = compose(mission(doing, block, Objective(name="shelter", activities=("go0",))))
+    space = composite_space(net)
+    without = {n: frozenset(net.net.events.of(Event(What.SUCCESS, n))) for n in ("o0", "o1", "o2", "extra")}
+    won = space.marked([net.success])
+    monkeypatch.setattr(SectionType, "reaching", property(counted))
+    assert space.reaches_without(won, list(without.values())) == [False, False, False, True]
+    assert len({local for local in asked if local is not None}) <= 1
+    assert check_each_set(net)
 
 
 def test_claims_on_what_is_left_out_work_on_few_sections_each(monkeypatch: pytest.MonkeyPatch) -> None:
