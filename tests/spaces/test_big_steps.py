@@ -15,7 +15,9 @@ import pytest
 from hypothesis import event, example, given, seed, settings
 from hypothesis import strategies as st
 
+from experiments.growth import walls
 from mcpn._kernel import BigSteps, Store, Zdd, choices
+from mcpn.composite.composing import composite_space
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError
 from mcpn.events import Event, What
@@ -291,6 +293,42 @@ def test_producers_that_crash_are_a_sum() -> None:
         assert found is not None
         lengths.append(max(map(len, found[1].values())))
     assert lengths[1] < lengths[0] * 8  # 5**count where the ways of each are multiplied
+
+
+class Noting:
+    """A kernel that notes of which firings functions are asked, and whether they are wide."""
+
+    def __init__(self, kernel: BigSteps) -> None:
+        self.kernel, self.asked = kernel, list[tuple[Any, bool]]()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.kernel, name)
+
+    def function(self, states: Zdd, firings: Any, wide: bool) -> bytes | None:
+        self.asked.append((firings, wide))
+        return self.kernel.function(states, firings, wide)
+
+
+def test_what_is_made_of_many_events_at_once_is_a_function_of_their_states_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """That of all wider states has many times the parts, and was given up after most of the work."""
+    seen, made = set[bool](), big_steps._Reaching._made_functions
+
+    def noted(self: big_steps._Reaching) -> bool:
+        noting = Noting(self._kernel)
+        monkeypatch.setattr(self, "_kernel", noting)
+        found, events = made(self), Counter(number for *_, number in self._fired.values())
+        for firings, wide in noting.asked:
+            (number,) = {number for _, each, number in self._fired.values() if each is firings}
+            assert wide == (events[number] == 1)
+            seen.add(wide)
+        return found
+
+    monkeypatch.setattr(big_steps._Reaching, "_made_functions", noted)
+    monkeypatch.setattr(big_steps, "MANY_EVENTS", 15)
+    composite_space(compose(walls.crashing(6)))
+    assert seen == {False, True}
 
 
 def test_where_a_transition_may_fire_alone_is_not_listed_while_another_one_may_everywhere(

@@ -15,6 +15,7 @@ they do to each level of the store (``kernel/src/diagrams/choices.cpp``).
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Mapping
 from functools import cached_property, partial
 from itertools import chain
@@ -321,11 +322,14 @@ class _Reaching:
     def _made_functions(self) -> bool:
         """Makes functions of what fired from whole sets; false where even big steps are too many."""
         labels = {t: label for label, t in self._events if t in self._fired}
+        together = Counter(number for *_, number in self._fired.values())
         for t in sorted(labels, key=lambda t: self._fired[t][2]):  # those of one evolution in a row
-            asked, firings, _ = self._fired[t]
+            asked, firings, number = self._fired[t]
             if not asked:
                 continue
-            function = self._kernel.function(asked, firings, wide=not self._known[t])
+            # What is made of many sets at once has few parts of these sets, and rarely of all that are wider.
+            wide = not self._known[t] and together[number] == 1
+            function = self._kernel.function(asked, firings, wide=wide)
             if function is not None:
                 self._steps[t] = function + self._steps.get(t, b"")
             elif not self._cover(labels[t], t, asked):
