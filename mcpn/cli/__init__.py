@@ -26,7 +26,7 @@ SIGNALS = signal.valid_signals() - {
 only suspend it, that Python turns into errors, and that tell of a fault in the process itself."""
 WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
-CREATED = 50_000
+CREATED = 200_000
 """Objects created between two searches for garbage in cycles; Python's default is 700."""
 
 

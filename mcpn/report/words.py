@@ -131,9 +131,12 @@ MOST_NAMED = 12
 
 def modes_together(check: MissionCheck) -> dict[tuple[str, ...], list[str]]:
     """By functioning modes in words the objectives that have these, each group folded."""
+    said: dict[int, tuple[str, ...]] = {}  # objectives of sections of one type have one list of modes
     shared: dict[tuple[str, ...], list[str]] = {}
     for objective, modes in check.modes.items():
-        shared.setdefault(modes_in_words(modes), []).append(objective)
+        if id(modes) not in said:
+            said[id(modes)] = modes_in_words(modes)
+        shared.setdefault(said[id(modes)], []).append(objective)
     return {ways: folded(check.mission_net, names) for ways, names in shared.items()}
 
 

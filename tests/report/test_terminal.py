@@ -21,19 +21,22 @@ from hypothesis import strategies as st
 from mcpn.answers.causes.find import find_causes
 from mcpn.answers.causes.fmeca import fmeca
 from mcpn.answers.verdicts.mission import check
+from mcpn.answers.verdicts.modes import Mode
 from mcpn.composite.composite import CompositeSpace
 from mcpn.composite.section_type import SectionType
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.findings import findings
+from mcpn.mission.model import Mission, Objective
 from mcpn.mission.xml import read_mission
 from mcpn.report.failures.terminal import print_fmeca
 from mcpn.report.progress import exploring, listening
 from mcpn.report.terminal import LEAST_WIDTH, Terminal, plain
-from mcpn.report.words import modes_in_words
+from mcpn.report.words import modes_in_words, modes_together
 from mcpn.spaces.engine_names import Engine
 from mcpn.steps import Doing, WorkStep, step, tell
 from tests.commands import mcpn, output
 from tests.conftest import ROOT, ULYSSE
+from tests.small import activity, hw, mission, robot
 
 WORDS = st.lists(st.text(st.characters(codec="utf-8"), max_size=30), max_size=20).map(" ".join)
 
@@ -90,6 +93,28 @@ def test_modes_that_read_the_same_are_said_once(tmp_path: Path) -> None:
     assert modes_in_words(found.modes["x"]) == ("follow: by_image", "follow: by_scan")
     printed = mcpn("check", path).stdout
     assert printed.count("follow: by_image") == printed.count("follow: by_scan") == 1
+
+
+def test_modes_of_objectives_that_are_alike_are_put_in_words_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are one list, which may have 65,536 modes."""
+    found, said = check(compose(legs(6)), engine="local"), list[int]()
+
+    def counted(modes: list[Mode]) -> tuple[str, ...]:
+        said.append(id(modes))
+        return modes_in_words(modes)
+
+    monkeypatch.setattr("mcpn.report.words.modes_in_words", counted)
+    (ways,) = modes_together(found).values()
+    assert len(ways) == 6
+    assert len(said) == len({*said}) <= 2  # the last leads to the end, and is of a type of its own
+
+
+def legs(number: int) -> Mission:
+    """Objectives of one activity, one after the other."""
+    doing = activity("go", ("H",), ("G",))
+    return mission(
+        robot(hw("H", "G"), doing), *(Objective(name=f"o{i}", activities=("go",)) for i in range(number))
+    )
 
 
 def test_the_same_is_not_said_for_each_event() -> None:

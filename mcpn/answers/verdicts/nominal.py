@@ -233,9 +233,8 @@ class NominalRuns(Generic[S]):
     def _nothing_left_out(self) -> str:
         """That these runs enter what they are meant to; blocks that may be left out, and are, by name."""
         graph = self.mission_net.graph
-        entered = objectives_run(self.mission_net, self.space, self.reached)
         optional = graph.copies.meant_as("optional")
-        left = [n for n in meant_to_be_entered(self.mission_net) if n in optional and n not in entered]
+        left = [name for name in self._not_entered if name in optional]
         if not left:
             return "nothing is left out"
         told = graph.copies.told(left, names_of_objectives(graph))
@@ -243,10 +242,14 @@ class NominalRuns(Generic[S]):
 
     def _left_out(self) -> tuple[str, ...]:
         """Objectives that none of them enters, and that are meant to be entered."""
-        graph = self.mission_net.graph
+        optional = self.mission_net.graph.copies.meant_as("optional")
+        return tuple(name for name in self._not_entered if name not in optional)
+
+    @cached_property
+    def _not_entered(self) -> list[str]:
+        """Those that are meant to be entered, optional ones among them, and that none of them enters."""
         entered = objectives_run(self.mission_net, self.space, self.reached)
-        allowed = entered | graph.copies.meant_as("optional")
-        return tuple(name for name in meant_to_be_entered(self.mission_net) if name not in allowed)
+        return [name for name in meant_to_be_entered(self.mission_net) if name not in entered]
 
     def _events(self, edges: Sequence[Edge]) -> list[Event]:
         events = (self.space.net.transitions[edge.transition].event for edge in edges)

@@ -87,6 +87,7 @@ class Routing:
         self._happens = happens
         self._succeeds = succeeds
         self._exits: dict[str, frozenset[str]] = {}
+        self._taken: dict[str, frozenset[str]] = {}
 
     def entered(self, section: Section) -> bool:
         """Whether some state runs the section, or an objective in it."""
@@ -181,6 +182,11 @@ class Routing:
 
     def taken(self, section: Section) -> frozenset[str]:
         """The outcomes of a section that happen."""
+        if section.name not in self._taken:
+            self._taken[section.name] = self._outcomes_taken(section)
+        return self._taken[section.name]
+
+    def _outcomes_taken(self, section: Section) -> frozenset[str]:
         if isinstance(section, ElementarySection):
             known = {outcome: Event(what, section.name) for outcome, what in _EVENTS.items()}
             known |= {to: Event(What.FAILURE, section.name, why) for why, to in section.failures}

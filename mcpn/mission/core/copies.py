@@ -155,8 +155,8 @@ class Copies:
             name: Of an objective, a block or a branch; or of something else in a text, whose last part is
                 kept as it is.
         """
-        if name in self._blocks:
-            return self._plain[self._blocks[name].path]
+        if (known := self._plain_names.get(name)) is not None:
+            return known
         around, dot, last = name.rpartition(".")
         return f"{self.plain(around)}.{last}" if dot else name
 
@@ -287,14 +287,17 @@ class Copies:
         return self._blocks.keys() - copies
 
     @cached_property
-    def _plain(self) -> dict[Path, str]:
-        """By block the name that means all of its copies: qualified by what qualifies each of them."""
+    def _plain_names(self) -> dict[str, str]:
+        """By name of a block the one that means all its copies: what qualifies each of them qualifies it."""
         shown: dict[Path, list[str]] = {}
+        paths: dict[int, Path] = {}
         for position in self._positions:
             _, *around = position.chain
             own = [each.block for each in reversed(around) if each.protocol or each.suffixes]
-            shown[position.path] = [name for name in shown.get(position.path, own) if name in own]
-        return {path: ".".join((*around, path[-1])) for path, around in shown.items()}
+            path = paths[id(position)] = position.path
+            shown[path] = [name for name in shown[path] if name in own] if path in shown else own
+        plain = {path: ".".join((*around, path[-1])) for path, around in shown.items()}
+        return {name: plain[paths[id(position)]] for name, position in self._blocks.items()}
 
 
 def grouped(these: Iterable[T], by: Callable[[T], K]) -> dict[K, list[T]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import chain
 from typing import TYPE_CHECKING, TypeAlias
 
 from mcpn.errors import Source
@@ -328,8 +329,15 @@ class ObjectivesGraph(Drawn, ValueRecord):
 
     def walk(self) -> Iterator[ElementarySection]:
         """Every elementary objective at any depth, in document order."""
-        for section in self.sections:
-            yield from section.walk()
+        return iter(self._walked)
+
+    @cached_property
+    def _walked(self) -> tuple[ElementarySection, ...]:
+        """The elementary objectives: a graph is walked dozens of times."""
+        sections = self.sections
+        if len(sections) == 1 and isinstance(sections[0], ElementarySection):  # as most branches
+            return (sections[0],)
+        return tuple(chain.from_iterable(section.walk() for section in sections))
 
     @property
     def timed(self) -> Iterator[Section]:
