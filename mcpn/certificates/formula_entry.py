@@ -53,8 +53,8 @@ def formula_entry(formula: Formula, mission_net: MissionNet) -> list[Any]:
 
 
 def _events(transitions: tuple[int, ...], mission_net: MissionNet) -> list[list[str]]:
-    every = mission_net.net.transitions
-    events = {event for t in transitions if (event := every[t].event) is not None}
+    carried = mission_net.net.events.carried
+    events = {carried[t] for t in transitions if t in carried}
     if set(mission_net.net.events.of(*events)) != set(transitions):
         raise InputError.at(None, "the formula names single transitions, not events")
     return [event_entry(event) for event in sorted(events, key=Event.__str__)]

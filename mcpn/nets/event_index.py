@@ -61,6 +61,11 @@ class EventIndex:
         return sorted(every, key=lambda pair: pair[0])
 
     @cached_property
+    def carried(self) -> Mapping[int, Event]:
+        """By transition the event that it carries; internal transitions are missing."""
+        return {number: event for event, numbers in self._by_event.items() for number in numbers}
+
+    @cached_property
     def _by_what(self) -> Mapping[What, Sequence[Event]]:
         found: dict[What, list[Event]] = {}
         for event in self._by_event:

@@ -13,13 +13,18 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 from experiments.faults.core_mutants import DAY, ROUND, study_of
+from experiments.growth.growth import FAMILIES
+from mcpn.answers.mission_names import MissionNames
 from mcpn.certificates import certcheck
 from mcpn.certificates.core_entry import core_entry
+from mcpn.certificates.formula_entry import formula_entry
 from mcpn.certificates.net_entry import net_entry
 from mcpn.certificates.sections import sectioncheck, sectionforms
 from mcpn.certificates.writing import certificate_of
 from mcpn.errors import ConfluenceError, LimitError
+from mcpn.logic.syntax import parse
 from mcpn.mission.model import Mission
+from mcpn.nets.numbering import Nodes
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.study import Study
 from mcpn.testing import missions
@@ -153,3 +158,16 @@ def test_what_is_no_formula_is_malformed(formula: Any) -> None:
 def test_facts_keep_sections_from_being_asked() -> None:
     with pytest.raises(certcheck.Limit, match="not apart"):
         played(study_of(DAY))
+
+
+def test_formulas_are_read_without_drawing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each of very many claims is read alone: no transition is drawn, nor every objective looked at."""
+    mission_net = Study(FAMILIES["sites"][0](60)).mission_net
+    copies = mission_net.graph.copies
+    names = MissionNames(mission_net)
+    name = sorted(copies.objectives)[0]
+    said = parse(f"EF E(happens(OBJ_{name}_EV_OK))", names)
+    monkeypatch.setattr(Nodes, "__getitem__", None)
+    monkeypatch.setattr(copies, "objectives", None)
+    assert parse(f"EF E(happens(OBJ_{name}_EV_OK))", names) == said
+    assert formula_entry(said, mission_net)[-1] == ["E", ["happens", ["success", name]]]

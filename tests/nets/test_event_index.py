@@ -21,6 +21,7 @@ def test_as_each_transition_is_asked(carried: list[Event | None], asked: list[Ev
     index = EventIndex(carried)
     pairs = [(t, event) for t, event in enumerate(carried) if event is not None]
     assert list(index.pairs) == pairs
+    assert index.carried == dict(pairs)
     assert list(index) == list(dict.fromkeys(event for _, event in pairs))
     assert index.internal == tuple(t for t, event in enumerate(carried) if event is None)
     assert sorted(index.of(*asked)) == [t for t, event in pairs if event in asked]

@@ -12,8 +12,8 @@ from mcpn.certificates import certcheck
 from mcpn.certificates.entries import Uncertified, entry
 from mcpn.certificates.sections import sectioncheck
 
-SECONDS = 60.0
-"""Time to play the types of sections."""
+SECONDS = 300.0
+"""Time to play the types of sections, and to ask them all claims."""
 OF_THE_NET = "it is of the net, which is too large for a certificate"
 MOST_BYTES = certcheck.MOST_BYTES // 2
 """Bytes of the claims; certcheck reads twice as much at most."""

@@ -119,8 +119,7 @@ class Copies:
         Returns:
             Their names; none where the name says no objective, or several.
         """
-        leaves = {id(position): name for name, position in self.objectives.items()}
-        return [leaves[id(each)] for each in self._said(name, within, leaves)]
+        return [self._leaves[id(each)] for each in self._said(name, within, self._leaves)]
 
     def blocks(self, name: str, within: str = "") -> list[str]:
         """The blocks that a name means, each copy of them; arguments as of :meth:`meant`."""
@@ -251,6 +250,11 @@ class Copies:
         """
         told = self.told(names, every)
         return f"{kind if len(told) == 1 else f'{kind}s'} {shortened(told)}", len(told) > 1
+
+    @cached_property
+    def _leaves(self) -> dict[int, str]:
+        """The objectives, by the identity of their position."""
+        return {id(position): name for name, position in self.objectives.items()}
 
     @cached_property
     def _by_last(self) -> dict[str, list[BlockPosition]]:
