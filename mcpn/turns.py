@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
+from math import inf
 from typing import TypeAlias, TypeVar
 
 Made = TypeVar("Made")
@@ -16,8 +17,10 @@ Told = TypeVar("Told")
 Pausing: TypeAlias = Generator[None, None, Made]
 """Work that yields nothing but its pauses."""
 
-FIRST_SLICE, SHARE = 0.2, 0.5
-"""Seconds of a first slice, and the share of what work has had so far that its later slices have."""
+FIRST_SLICE, PATIENCE = 0.1, 2
+"""Seconds of a first slice, and how many times as long as who is next in turn work may stay silent."""
+FORGIVEN = 0.5
+"""The share of its silence that work keeps when it has told something, but for that of earlier slices."""
 
 
 def finished(work: Generator[object, None, Made]) -> Made:
@@ -35,33 +38,45 @@ def in_turns(
     over: Callable[[], bool],
     *,
     first: float = FIRST_SLICE,
-    share: Callable[[Iterator[Told | None]], float] = lambda way: 1,
+    whole: Iterator[Told | None] | None = None,
 ) -> Iterator[Told | None]:
     """What several kinds of work tell and when they pause, until all have ended.
 
-    Whoever has had the least CPU time so far is next: each gets as much as every other, however coarse its
-    pauses are. What is told ends no slice, since more may follow from it at once; a slice in which something
-    was told counts less, so that who has answers has more time.
+    Whoever has been silent for the least CPU time is next, and goes on until it has been silent for twice as
+    long as any other: who has found nothing for a second seldom finds something in the next tenth. What is
+    told makes the silence of a slice half as long, so that who has answers goes on, and others wait.
 
     Args:
         ways: Kinds of work, in the order of their first turns. ``None`` is a pause: something else may go on.
         over: Whether nothing is left to do.
-        first: Seconds of a first slice; later ones are longer.
-        share: How many times as much as others a way gets.
+        first: Seconds of a first slice.
+        whole: One of them that tells nothing for long, and then all: it may be silent for as long as all the
+            others together, and for twice a first slice at first.
 
     >>> list(filter(None, in_turns([iter([1, None, 2, None, 3]), iter("ab")], lambda: False, first=1e9)))
     [1, 2, 3, 'a', 'b']
     """
-    spent = dict.fromkeys(map(iter, ways), 0.0)
-    while spent and not over():
-        way = min(spent, key=spent.__getitem__)
-        begun = time.process_time()
-        until, answers = begun + max(first, SHARE * spent[way]), 0
-        for told in way:
-            answers += told is not None
-            yield told
-            if over() or (told is None and time.process_time() >= until):
-                spent[way] += (time.process_time() - begun) / (share(way) * (1 + answers))
+    silent = dict.fromkeys(map(iter, ways), 0.0)
+    together = max(len(silent) - 1, 1)
+
+    def counted(way: Iterator[Told | None]) -> float:
+        return silent[way] / (together if way is whole else 1)
+
+    while silent and not over():
+        way = min(silent, key=counted)
+        least = min((counted(other) for other in silent if other is not way), default=inf)
+        until = max(2 * first, together * least) if way is whole else max(first, PATIENCE * least)
+        before = silent[way]
+        while not over():
+            begun = time.process_time()
+            try:
+                told = next(way)
+            except StopIteration:
+                del silent[way]
                 break
-        else:
-            del spent[way]
+            silent[way] += time.process_time() - begun
+            if told is not None:
+                silent[way] = max(before, FORGIVEN * silent[way])
+            yield told
+            if told is None and silent[way] >= until:
+                break

@@ -43,11 +43,27 @@ def test_each_way_has_as_much_time_as_every_other(clock: Clock) -> None:
     assert clock.spent["fine"] == pytest.approx(clock.spent["coarse"], rel=0.5)
 
 
-def test_a_favoured_way_has_more_time(clock: Clock) -> None:
-    ways = [clock.work("a", 0.01, 100_000), clock.work("b", 0.01, 100_000)]
-    for _ in in_turns(ways, lambda: clock.now > 60, share=lambda way: 3 if way is ways[1] else 1):
+def test_what_answers_all_at_its_end_has_as_much_time_as_all_others_together(clock: Clock) -> None:
+    ways = [clock.work(name, 0.01, 100_000) for name in "abcd"]
+    for _ in in_turns(ways, lambda: clock.now > 60, whole=ways[1]):
         pass
-    assert clock.spent["b"] == pytest.approx(3 * clock.spent["a"], rel=0.5)
+    others = [clock.spent[name] for name in "acd"]
+    assert sum(others) / 2 <= clock.spent["b"] <= 2 * sum(others)
+    assert max(others) <= 2.1 * min(others)
+
+
+def test_who_has_told_something_long_ago_waits_as_others_do(clock: Clock) -> None:
+    """Ten answers at the beginning do not pay for a minute of silence."""
+
+    def telling() -> Iterator[str | None]:
+        for told in (*"abcdefghij", *[None] * 100_000):
+            clock.now += 0.01
+            clock.spent["told"] = clock.spent.get("told", 0.0) + 0.01
+            yield told
+
+    for _ in in_turns([telling(), clock.work("silent", 0.01, 100_000)], lambda: clock.now > 60):
+        pass
+    assert clock.spent["silent"] == pytest.approx(30, rel=0.4)
 
 
 def test_what_is_told_ends_no_slice(clock: Clock) -> None:

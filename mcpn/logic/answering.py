@@ -38,7 +38,7 @@ from mcpn.spaces.engines import Choice, NoSpace
 from mcpn.spaces.search import EXPLICIT, HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION
 from mcpn.spaces.search.goal import FALSE, TRUE, And, AtMost, Formula
 from mcpn.steps import Doing, step
-from mcpn.turns import FIRST_SLICE, finished, in_turns
+from mcpn.turns import FIRST_SLICE, in_turns
 
 if TYPE_CHECKING:
     from mcpn._kernel import Store
@@ -53,13 +53,13 @@ if TYPE_CHECKING:
 # What searches is loaded when something is searched.
 
 DIAGRAMS, COMPOSITION = "DECISION_DIAGRAMS", "COMPOSITION"
-FIRST_STEPS, STEPS_FACTOR, MOST_STEPS = 600_000, 2, 2**60
-"""Of the race for the space, how many times as many each turn has, and when it goes on to its end."""
-SHARE, SHARE_OF_SMALL, SHORT_SLICE = 0.75, 8, 0.05
-"""The space's time beside all other ways, if small; seconds of first turns where a search comes first."""
+FIRST_STEPS, MOST_STEPS = 600_000, 2**60
+"""Of the race for the space, within which it is there at once, and where it goes on to its end."""
+SHORT_SLICE = 0.05
+"""Seconds of first turns where a search comes first."""
 RESTS = 4
 """How many times as long as formulas have been rewritten they are not, although more is known."""
-FIRST_SLICE_OF_QUESTION, FIRST_ROUND, SLICE_FACTOR = 0.4, 1.0, 3.0
+FIRST_SLICE_OF_QUESTION, SLICE_FACTOR = 0.4, 3.0
 WALK_STEPS = 50_000
 LOCAL_STEPS = (20_000, 200_000, 1_000_000, 5_000_000, 25_000_000, 125_000_000)
 """For each part of a formula, in rounds."""
@@ -152,7 +152,6 @@ class _Answers(OpenQuestions):
         self.rounds = self.path_rounds = 0
         self.failed: McpnError | None = None
         """Why there is no space."""
-        self.share: float = SHARE
 
     def all(self) -> Iterator[ContestAnswer]:
         """Asks all ways by turns; of typed formulas, whose runs are to be the same each time, one by one."""
@@ -160,9 +159,7 @@ class _Answers(OpenQuestions):
         space = self.by_space()
         ways = self.ways_to_go([] if self.questions.engine == "search" else [space])
         first = inf if self.typed else SHORT_SLICE if self.searched else FIRST_SLICE
-        for told in in_turns(
-            ways, lambda: not self.waiting, first=first, share=lambda way: self.share if way is space else 1
-        ):
+        for told in in_turns(ways, lambda: not self.waiting, first=first, whole=space):
             if told is not None:
                 yield told
                 self.tell_open()
@@ -181,10 +178,10 @@ class _Answers(OpenQuestions):
                 equation = chain(structure, equation)
             else:
                 at_sight = chain(at_sight, structure)
-            beside = [equation, self.by_need(), self.by_paths()]
-            beside.insert(0 if self.searched else len(beside), search)
-            others = in_turns(beside, lambda: not self.waiting, first=SHORT_SLICE)
-            return [at_sight, others, *space] if self.searched else [at_sight, *space, others]
+            need, paths = self.by_need(), self.by_paths()
+            if self.searched:
+                return [at_sight, search, *space, need, paths, equation]
+            return [at_sight, *space, need, paths, search, equation]
         # The space of a mission is not far, once a search has found nothing; in a small one it has the
         # shortest runs.
         ways = [self.one_safe_at_sight(), self.rewritten(), self.by_need(LOCAL_STEPS[:1])]
@@ -268,37 +265,30 @@ class _Answers(OpenQuestions):
 
     def by_space(self) -> Iterator[ContestAnswer | None]:
         """Asks the space, once the race for it is over."""
-        questions, steps = self.questions, FIRST_STEPS
+        questions, at_once = self.questions, False
         try:
             if questions.searchable and not (self.typed or self.net.priorities):
-                ended = questions.made or finished(questions.spaces.going_on(steps))
-                while not ended and steps < MOST_STEPS:
-                    yield None
-                    steps *= STEPS_FACTOR
-                    ended = yield from questions.spaces.going_on(steps)
+                at_once = questions.made or (yield from questions.spaces.going_on(FIRST_STEPS))
+                if not at_once:
+                    yield from questions.spaces.going_on(MOST_STEPS)
             yield from self.one_safe()
             space = questions.space if self.waiting else None
             self.tell_open()
         except McpnError as error:
             self.failed = error
             return
-        until = time.process_time() + FIRST_ROUND
-        for told in self.asking(space, at_once=steps == FIRST_STEPS):
-            if told is not None or time.process_time() > until:  # a space that is there answers soon
-                yield told
+        yield from self.asking(space, at_once=at_once)
 
     def asking(self, space: Space[Any] | None, *, at_once: bool) -> Iterator[ContestAnswer | None]:
-        """Asks a space; of a small one, that is there at once, few markings decide much before it."""
+        """Asks a space in rounds; of a small one, that is there at once, few markings decide much before."""
         store = space.encoding.store if isinstance(space, DiagramMarkings | DiagramAlternatives) else None
         tried: Counter[str] = Counter()
-        if at_once and self.questions.searchable and not self.typed:
-            self.share = SHARE_OF_SMALL
+        if at_once:
             yield from self.asked_of(store, tried, lambda asked: not isinstance(asked, Formula))
             yield from self.by_need(LOCAL_STEPS[:1])
             yield from self.by_paths(LOCAL_STEPS[:1])
         while self.waiting:
             yield from self.asked_of(store, tried, lambda asked: True)
-            self.share = SHARE  # what one round has left open takes long there
 
     def asked_of(
         self, store: Store | None, tried: Counter[str], which: Callable[[Meaning], bool]

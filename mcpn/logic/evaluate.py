@@ -187,12 +187,13 @@ def _effort(formula: Formula) -> int:
 
 def largest(space: Space[Any], weights: dict[int, int]) -> int:
     """The largest weighted sum of tokens in a state of a space; weights are not negative."""
-    from mcpn.spaces.arrays import ArraySpace
     from mcpn.spaces.diagrams.spaces import DiagramMarkings
 
     if isinstance(space, DiagramMarkings):  # in one pass over the diagram
         levels, constant = space.encoding.weigh(weights)
         return space.everything.largest(levels) + constant
+    from mcpn.spaces.arrays import ArraySpace  # which loads NumPy: that takes longer than a small net
+
     if isinstance(space, ArraySpace):
         return int(space.graph.tokens(weights).max())
     low, high = 0, sum(weights.values())  # any other space is of a 1-safe net

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Iterator
-from itertools import islice
 
 import pytest
 
 from mcpn.errors import Source
-from mcpn.logic.answering import SHARE, SHARE_OF_SMALL, _Answers, answer_all
+from mcpn.logic.answering import _Answers, answer_all
 from mcpn.logic.asking import Questions
 from mcpn.logic.contest import Property
 from mcpn.logic.open_questions import OpenQuestions
@@ -98,13 +99,38 @@ def test_a_walk_comes_before_the_invariants(monkeypatch: pytest.MonkeyPatch) -> 
     assert answer.value == "TRUE"
 
 
-def test_a_space_that_is_there_at_once_has_the_time_of_others_after_one_round(
-    net: PetriNet, monkeypatch: pytest.MonkeyPatch
+def test_the_race_for_a_space_pauses_from_the_beginning() -> None:
+    """Other ways have their first turns although the space is not there yet, also of a small net."""
+    questions = Questions(philosophers(5))
+    way = _Answers(questions, {"live": "Liveness"}).by_space()
+    assert next(way) is None
+    assert not questions.made
+    (answer,) = filter(None, way)
+    assert (answer.name, answer.value) == ("live", "FALSE")
+
+
+def test_questions_that_the_space_has_no_answer_to_in_time_are_left_to_others(
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Evaluation on the space never ends in time here: other ways must not wait for it."""
     monkeypatch.setattr(_Answers, "value", lambda self, name: None)
-    answers = _Answers(Questions(net), {"live": "Liveness"})
-    asking = answers.asking(answers.questions.space, at_once=True)
-    shares = [answers.share for _ in islice(asking, 4)]
-    assert shares[0] == SHARE_OF_SMALL
-    assert shares[-1] == SHARE
+    names = Names(philosophers(5))
+    asked = Property("q", parse("EG (EX (!deadlock))", names), Source("none"))
+    (answer,) = answer_all(Questions(philosophers(5)), [asked])
+    assert answer.value == "TRUE"
+
+
+def test_a_bound_of_a_net_on_a_diagram_loads_no_arrays() -> None:
+    """To load NumPy takes longer than to answer all about a small net."""
+    script = """
+import sys
+from mcpn.logic.answering import answer_all
+from mcpn.logic.asking import Questions
+from mcpn.logic.contest import Property
+from mcpn.errors import Source
+from mcpn.testing.nets import philosophers
+(answer,) = answer_all(Questions(philosophers(3), engine="symbolic"), [Property("b", (0, 1), Source("none"))])
+print(answer.value, "numpy" in sys.modules)
+"""
+    ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert ran.stdout.split() == ["1", "False"]
