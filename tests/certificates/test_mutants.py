@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import copy
 import importlib.util
 import sys
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from types import ModuleType
+from typing import Any
 
 import pytest
 
-from experiments.faults import core_mutants, further_mutants
+from experiments.faults import both_checkers, core_mutants, further_mutants
 from mcpn.certificates import certcheck, corecheck, ctlcheck, diagcheck
+from mcpn.robot.runtime.tables import Action
 from tests.conftest import ROOT
 
 
@@ -88,3 +93,51 @@ def test_a_walk_that_believes_everything_is_found_out(
 ) -> None:
     monkeypatch.setattr(program, "walked", lambda graph, other: (1, 1))
     assert core_mutants.campaign(of, 10, 4)[1]
+
+
+def without(controller: dict[str, Any], activities: set[str]) -> Iterator[dict[str, Any]]:
+    """A flat controller in which, at one edge, these activities are told nothing, where they began anew."""
+    for number, edge in enumerate(controller["types"][0]["edges"]):
+        told = Counter((each.get("activity"), each["do"]) for each in edge["actions"])
+        if all(told[name, verb] for name in activities for verb in ("stop", "start")):
+            changed = copy.deepcopy(controller)
+            actions = [each for each in edge["actions"] if each.get("activity") not in activities]
+            changed["types"][0]["edges"][number]["actions"] = actions
+            yield changed
+
+
+def test_what_goes_on_instead_of_beginning_anew_is_not_false() -> None:
+    """docs/certificates.md does not claim it, so ctlcheck proves it, and the campaign agrees."""
+    original = core_mutants.originals()[0]
+    flat = next(each for each in original.controllers if each["form"] == "flat")
+    proved = [each for each in without(flat, {"rest"}) if both_checkers.accepted(original.net, each)[0]]
+    assert proved
+    assert not any(core_mutants._as_before(flat, each, "")[2] for each in proved)
+
+
+CONSUMED = {"drive.mapped": "map wheels", "drive.blind": "wheels", "look.up": "eye wheels"}
+AGAIN = (Action("stop", "drive"), Action("select", "drive", "mapped"), Action("start", "drive"))
+TIMERS = (Action("disarm", objective="go"), Action("arm", objective="go"))
+
+
+@pytest.mark.parametrize(
+    ("orders", "before", "after", "left"),
+    [
+        ((*AGAIN, Action("release", hardware="map")), {"drive": "mapped"}, {"drive": "mapped"}, []),
+        (AGAIN[:2], {"drive": "blind"}, {"drive": "mapped"}, ["stop drive", "select drive mapped"]),
+        (AGAIN[:1], {"drive": "mapped"}, {}, ["stop drive"]),
+        (
+            (Action("stop", "look"), Action("release", hardware="wheels")),
+            {"drive": "mapped", "look": "up"},
+            {"drive": "mapped"},
+            ["stop look", "release wheels"],
+        ),
+        (TIMERS, {}, {}, ["disarm go", "arm go"]),
+        ((Action("disarm", objective="back"), Action("arm", objective="back")), {}, {}, []),
+    ],
+)
+def test_what_is_asked_of_orders(
+    orders: Sequence[Action], before: core_mutants.Runs, after: core_mutants.Runs, left: list[str]
+) -> None:
+    """All but what begins anew and may go on: the timer of what ends, and what another one held, is asked."""
+    assert core_mutants.claimed("OBJ_go_EV_OK", orders, before, after, CONSUMED) == left
