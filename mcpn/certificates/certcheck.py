@@ -236,6 +236,7 @@ class Listing:
             self.edges.append(edges)
             self.within()
         self.stuck = {state for state, edges in enumerate(self.edges) if not edges}
+        self.marking = cache(lambda places: {s for s, m in enumerate(self.stable) if m & places})
         self.formulas = Formulas(self)
 
     def within(self, more: int = 0) -> None:
@@ -292,8 +293,7 @@ class Listing:
         """The states that mark a place with a role, of some elements (None is none), or else of any."""
         roles = self.net.roles.items()
         found = (own for (said, element), own in roles if said == role and (not of or element in of))
-        places = reduce(or_, found, 0)
-        return {state for state, marking in enumerate(self.stable) if marking & places}
+        return set(self.marking(reduce(or_, found, 0)))
 
     def ended(self, *ends: str) -> set[State]:
         """The states in which the mission has ended so."""

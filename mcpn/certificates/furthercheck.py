@@ -260,10 +260,15 @@ def worst(graph: LabelledStates, claim: Json) -> None:
     cuts = masks(bit, said["cuts"])
     without_another(cuts)
 
+    unrepaired = graph.leading(goal.won, goal.running, goal.over | graph.net.carrying("repaired"))
+
     def losing(lost: int) -> set[State]:
+        doubtful = by_lost.get(lost, set()) - unrepaired  # the others need no repair at all
+        if not doubtful:
+            return doubtful
         names = [name for name, own in bit.items() if lost & own]
         banned = goal.over | graph.net.carrying("repaired", *names, None)
-        return by_lost.get(lost, set()) - graph.leading(goal.won, goal.running, banned)
+        return doubtful - graph.leading(goal.won, goal.running, banned)
 
     for cut in cuts:
         certcheck.need(losing(cut), "after a cut a way is always left")

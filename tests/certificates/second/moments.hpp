@@ -87,7 +87,9 @@ class Moments : Goals {
       by_lost[lost].push_back(s);
     }
     std::set<CutSets::Mask> losing;
+    const Set unrepaired = backward(goal.won, [&](std::size_t s, const Edge& edge) { return event(edge)[0] != "repaired" && goal.is_step(s, edge); });
     for (const auto& [lost, states] : by_lost) {
+      if (std::all_of(states.begin(), states.end(), [&](std::size_t s) { return bool(unrepaired[s]); })) continue;
       std::set<std::string> gone;
       for (std::size_t i = 0; i < names.size(); ++i) if (lost[i]) gone.insert(names[i]);
       const Set winning = backward(goal.won, [&](std::size_t s, const Edge& edge) { return goal.is_step(s, edge) && !(event(edge)[0] == "repaired" && gone.count(event(edge)[1])); });
