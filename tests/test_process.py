@@ -305,6 +305,31 @@ main()
     assert step.startswith("while answering what is open: big-ReachabilityDeadlock, big-Liveness (")
 
 
+def test_a_limit_on_time_that_kills_is_not_waited_for(tmp_path: Path) -> None:
+    """``ulimit -t`` sets the limit that tells and the one that kills alike: nobody named what is open."""
+    path = tmp_path / "big.net"
+    path.write_text("net big\npl a (2)\ntr t a -> b\ntr u b -> a\n")
+    script = f"""
+import itertools, sys
+from mcpn.spaces.registry import Spaces
+Spaces.going_on = lambda *_: itertools.filterfalse(lambda _: True, itertools.count())
+sys.argv = ["mcpn", "ask", {str(path)!r}, "--examination=Liveness"]
+from mcpn.cli import main
+main()
+"""
+
+    def limited() -> None:
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_CPU, (2, 2))
+
+    run = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False, preexec_fn=limited
+    )
+    assert run.returncode == 128 + signal.SIGXCPU
+    assert run.stderr.splitlines()[1].startswith("while answering what is open: big-Liveness (")
+
+
 def test_a_hint_names_no_engine_that_was_working() -> None:
     heard = UnderWay()
     heard.begins(WorkStep(Doing.MAKING_DIAGRAM))
