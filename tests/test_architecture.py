@@ -303,6 +303,7 @@ def test_help_loads_nothing_heavy() -> None:
 
 
 HEAVY = {
+    "mcpn.certificates.certcheck",
     "numpy",
     "numpy.ma",
     "networkx",

@@ -32,7 +32,6 @@ BY_SECTIONS = "still trusted: the reader, which makes the core mission that the 
 """The same where there is no net in it."""
 GAVE_UP = (certcheck.Malformed, certcheck.Limit, RecursionError, MemoryError)
 """What ends a checker without an answer."""
-NONE_CHECKED = "no claim is checked by certcheck: reader, templates, kernel and engines are trusted"
 
 
 class EntryChecker(Protocol):

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
-from mcpn.certificates.verified import NONE_CHECKED, Verified
 from mcpn.report.terminal import Terminal
 from mcpn.sentences import shortened
 
+if TYPE_CHECKING:
+    from mcpn.certificates.verified import Verified
+
+NONE_CHECKED = "no claim is checked by certcheck: reader, templates, kernel and engines are trusted"
+"""What is trusted of a check without a certificate."""
 MOST_TOLD = 4
 """Claims that a line names one by one."""
 

@@ -20,10 +20,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mcpn.answers.claims.found import of_verdict
-from mcpn.certificates.verified import NONE_CHECKED
 from mcpn.errors import InputError
 from mcpn.mission.model import Mission
 from mcpn.report.assets import environment
+from mcpn.report.certificates import NONE_CHECKED
 from mcpn.report.pages.live import live_data
 from mcpn.report.pages.preflight import preflight
 from mcpn.report.pages.story import headline, runs_of, story

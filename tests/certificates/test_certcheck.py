@@ -187,10 +187,7 @@ def test_cut_sets_that_are_not_all_minimal_and_proved_are_refuted(
     assert [key for how, key, _ in report if how != "proved"] == ["cut_sets: success"]
 
 
-@pytest.mark.parametrize(
-    "name",
-    ["courier", "drone", *(pytest.param(name, marks=pytest.mark.slow) for name in ("glider", "rover"))],
-)
+@pytest.mark.parametrize("name", ["courier", "drone", "glider", "rover"])
 def test_worked_missions_write_certificates_that_are_proved(name: str, tmp_path: Path) -> None:
     checked = Study(read_mission(ROOT / "experiments" / name / "mission.xml")).verdicts()
     path = tmp_path / name

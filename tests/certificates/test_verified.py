@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.certificates.verified import NONE_CHECKED, verified
+from mcpn.certificates.verified import verified
 from mcpn.certificates.writing import certificate_of
 from mcpn.findings import findings
 from mcpn.mission.xml import read_mission
+from mcpn.report.certificates import NONE_CHECKED
 from mcpn.report.page import page
 from mcpn.study import Study
 from tests.certificates.files import entries_of, rewritten
