@@ -158,7 +158,18 @@ def findings(
         claims = all_claims(checked, causes, rows or ())
         claims += [] if risk is None else claims_of_risk(risk)
     return Findings(
-        checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local, unlisted, claims
+        check=checked,
+        causes=causes,
+        fmeca=rows,
+        controller=controller,
+        notes=notes,
+        warnings=warnings,
+        engine=chosen,
+        seconds=seconds,
+        risk=risk,
+        local=local,
+        unlisted=unlisted,
+        claims=claims,
     )
 
 

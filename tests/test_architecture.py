@@ -196,6 +196,22 @@ def test_targets_read_the_document_alone() -> None:
     assert strangers == set()
 
 
+MOST_POSITIONS = 8
+"""Arguments that a reader can still tell apart by their places."""
+
+
+def test_many_arguments_go_by_their_names() -> None:
+    wrong = [
+        f"{path.relative_to(PACKAGE)}:{node.lineno} gives {len(node.args)} arguments by their places"
+        for path in MODULES
+        for node in nodes(path)
+        if isinstance(node, ast.Call)
+        and len(node.args) > MOST_POSITIONS
+        and ast.unparse(node.func) != "st.one_of"  # whose arguments are alternatives
+    ]
+    assert wrong == []
+
+
 def test_engines_are_named_in_one_place() -> None:
     """Elsewhere a name is that of ``spaces/engine_names.py``, not a text."""
     engines, wrong = {"explicit", "symbolic", "local"}, set[str]()

@@ -220,17 +220,17 @@ def _joined(runs: Sequence[Measurement]) -> Measurement:
     last = runs[-1]
     wall, cpu = ([getattr(run, name) for run in runs] for name in ("seconds", "cpu_seconds"))
     return Measurement(
-        last.engine,
-        last.sizes,
-        min(wall),
-        max((run.megabytes for run in runs if run.megabytes is not None), default=None),
-        last.reason,
-        last.order,
-        min(cpu),
-        median(wall),
-        median(cpu),
-        max(cpu),
-        len(runs),
+        engine=last.engine,
+        sizes=last.sizes,
+        seconds=min(wall),
+        megabytes=max((run.megabytes for run in runs if run.megabytes is not None), default=None),
+        reason=last.reason,
+        order=last.order,
+        cpu_seconds=min(cpu),
+        median_seconds=median(wall),
+        median_cpu_seconds=median(cpu),
+        most_cpu_seconds=max(cpu),
+        repeats=len(runs),
     )
 
 
@@ -283,7 +283,18 @@ def _run(subject: Mission | PetriNet, engine: str, runs: Runs, pipe: Connection)
         problem = LimitError(f"its code raised {type(error).__name__}: {error}")
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
     reason = str(problem or "").split("\n")[0]
-    found = Measurement(engine, sizes, wall, peak_megabytes(), reason, order, cpu, wall, cpu, cpu)
+    found = Measurement(
+        engine=engine,
+        sizes=sizes,
+        seconds=wall,
+        megabytes=peak_megabytes(),
+        reason=reason,
+        order=order,
+        cpu_seconds=cpu,
+        median_seconds=wall,
+        median_cpu_seconds=cpu,
+        most_cpu_seconds=cpu,
+    )
     pipe.send((found, problem))
 
 

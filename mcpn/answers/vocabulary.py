@@ -84,16 +84,18 @@ def vocabulary(mission_net: MissionNet) -> Vocabulary:
         )
 
     return Vocabulary(
-        mission.name,
-        folded(described),
-        folded({n: None for n, held in copies.held.items() if held != (n,) and n not in copies.wholes}),
-        tuple(
+        mission=mission.name,
+        objectives=folded(described),
+        blocks=folded(
+            {n: None for n, held in copies.held.items() if held != (n,) and n not in copies.wholes}
+        ),
+        activities=tuple(
             NamedActivity(a.name, (), a.description, tuple(way.name for way in a.alternatives))
             for a in mission_net.usage.activities.values()
         ),
-        tuple(NamedWord(h.name, (), h.description) for h in mission.hardware),
-        tuple(NamedWord(s.name, (), s.description) for s in mission.software),
-        tuple(NamedFact(f.name, (), f.description, f.values) for f in mission.facts),
-        folded(happening),
-        tuple(mission_net.ends),
+        hardware=tuple(NamedWord(h.name, (), h.description) for h in mission.hardware),
+        software=tuple(NamedWord(s.name, (), s.description) for s in mission.software),
+        facts=tuple(NamedFact(f.name, (), f.description, f.values) for f in mission.facts),
+        events=folded(happening),
+        ends=tuple(mission_net.ends),
     )

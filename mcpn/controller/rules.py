@@ -287,23 +287,23 @@ class _Maker:
         for place, (flag, _) in idle_places(self.net).items():
             flips[flag] |= self._mask([place])
         return Rules(
-            part.faulty,
-            part.once,
-            part.entry_flags,
-            events,
-            len(number),
-            bits_of(sum(1 << level for level in self.encoding.marked_levels(self.net.net.initial))),
-            tuple(
+            hardware=part.faulty,
+            once=part.once,
+            facts=part.entry_flags,
+            events=events,
+            bits=len(number),
+            idle=bits_of(sum(1 << level for level in self.encoding.marked_levels(self.net.net.initial))),
+            status=tuple(
                 StatusBits(bits_of(levels), renumbered(said))
                 for levels, said in zip(flips.values(), self.carried, strict=True)
             ),
-            tuple(Shown(kind, name, renumbered(said)) for kind, name, said in self.shown),
-            tuple(rule for rule in rules if rule.event < 0),
-            tuple(rule for rule in rules if 0 <= rule.event < len(events)),
-            tuple(
+            shown=tuple(Shown(kind, name, renumbered(said)) for kind, name, said in self.shown),
+            entries=tuple(rule for rule in rules if rule.event < 0),
+            rules=tuple(rule for rule in rules if 0 <= rule.event < len(events)),
+            parts=tuple(
                 tuple(alike) for event, alike in groupby(rules, attrgetter("event")) if event >= len(events)
             ),
-            tuple(effects),
+            effects=tuple(effects),
         )
 
     def _closed(self, bits: set[int]) -> set[int]:

@@ -183,17 +183,17 @@ def check_net(subject: Spaces | PetriNet, *, max_states: int = MOST_LISTED) -> N
     does = Behaviour(space)
     to_death = space.run(space.initial.pick(), space.dead)
     return NetCheck(
-        net,
-        most <= 1,
-        bounded,
-        most,
-        space.everything.count(),
-        None if to_death is None else _names(net, [edge.transition for edge in to_death]),
-        not does.deadlock,
-        _names(net, sorted(does.transitions - does.quasi_live)),
-        _names(net, sorted(does.transitions - does.live)),
-        does.reversible,
-        does.home_markings,
+        net=net,
+        safe=most <= 1,
+        bounded=bounded,
+        bound=most,
+        states=space.everything.count(),
+        deadlock=None if to_death is None else _names(net, [edge.transition for edge in to_death]),
+        deadlock_free=not does.deadlock,
+        dead_transitions=_names(net, sorted(does.transitions - does.quasi_live)),
+        not_live=_names(net, sorted(does.transitions - does.live)),
+        reversible=does.reversible,
+        home_markings=does.home_markings,
     )
 
 

@@ -93,8 +93,19 @@ def sizes(
         started = time.perf_counter()
         count = spaces.space(choice, "alternatives").everything.count()
         seconds = time.perf_counter() - started
-        net_size = len(net.places), len(net.transitions)
-        return SpaceSummary(*net_size, None, None, count, None, None, None, None, choice.engine, seconds)
+        return SpaceSummary(
+            places=len(net.places),
+            transitions=len(net.transitions),
+            states=None,
+            edges=None,
+            stable_states=count,
+            dead_states=None,
+            max_tokens=None,
+            max_tokens_in_place=None,
+            nodes=None,
+            engine=choice.engine,
+            seconds=seconds,
+        )
 
     def markings_if_few(choice: Choice) -> SpaceSummary:
         """Counts all markings where they are few, else the stable states alone."""

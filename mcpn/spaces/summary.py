@@ -65,19 +65,19 @@ def summary_of(space: SymbolicSpace, started: float) -> SpaceSummary:
     net = space.encoding.net
     stable = None if space.stable is None else space.stable.count()
     return SpaceSummary(
-        len(net.places),
-        len(net.transitions),
-        space.states,
-        space.edges,
-        stable,
-        space.dead_states,
-        space.max_tokens,
-        space.max_tokens_in_place,
-        space.nodes,
-        SYMBOLIC,
-        time.perf_counter() - started,
-        space.order,
-        None if space.nodes is None else space.peak_nodes,
+        places=len(net.places),
+        transitions=len(net.transitions),
+        states=space.states,
+        edges=space.edges,
+        stable_states=stable,
+        dead_states=space.dead_states,
+        max_tokens=space.max_tokens,
+        max_tokens_in_place=space.max_tokens_in_place,
+        nodes=space.nodes,
+        engine=SYMBOLIC,
+        seconds=time.perf_counter() - started,
+        order=space.order,
+        peak_nodes=None if space.nodes is None else space.peak_nodes,
     )
 
 
@@ -121,13 +121,16 @@ def summary_of_own(space: OwnSpace, engine: str, started: float) -> SpaceSummary
     net, reached = space.net, space.everything
     nodes = getattr(space.sets, "nodes", None)
     return SpaceSummary(
-        *(len(net.places), len(net.transitions)),
-        *(reached.count(), sum(space.firings(reached).values())),
-        space.stable.count() if net.priorities else None,
-        space.dead.count(),
-        *(None, None),
-        None if nodes is None else nodes(reached.raw),
-        engine,
-        time.perf_counter() - started,
-        getattr(space.sets, "order", None),
+        places=len(net.places),
+        transitions=len(net.transitions),
+        states=reached.count(),
+        edges=sum(space.firings(reached).values()),
+        stable_states=space.stable.count() if net.priorities else None,
+        dead_states=space.dead.count(),
+        max_tokens=None,
+        max_tokens_in_place=None,
+        nodes=None if nodes is None else nodes(reached.raw),
+        engine=engine,
+        seconds=time.perf_counter() - started,
+        order=getattr(space.sets, "order", None),
     )

@@ -119,16 +119,16 @@ def whole_chain(prospects: Prospects[Any], number: Callable[[float], Number] = f
     ends |= {} if net.abort is None else {"abort": net.abort}
     ended = np.asarray(listed.ended[states], np.bool_)
     return WholeChain(
-        net,
-        lambda state: graph.marking(int(states[state])),
-        sources,
-        number_of[graph.targets[edges]],
-        rates,
-        hasty,
-        {name: np.asarray(graph.marked(place)[states], np.bool_) for name, place in ends.items()},
-        {name: goal.running.mask[states] & ~ended for name, goal in prospects.objectives.items()},
-        np.asarray(listed.failing[edges], np.int64),
-        hardware,
+        mission_net=net,
+        markings=lambda state: graph.marking(int(states[state])),
+        sources=sources,
+        targets=number_of[graph.targets[edges]],
+        rates=rates,
+        hasty=hasty,
+        ends={name: np.asarray(graph.marked(place)[states], np.bool_) for name, place in ends.items()},
+        running={name: goal.running.mask[states] & ~ended for name, goal in prospects.objectives.items()},
+        failing=np.asarray(listed.failing[edges], np.int64),
+        hardware=hardware,
     )
 
 

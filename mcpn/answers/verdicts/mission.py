@@ -387,17 +387,19 @@ def _verdicts(
         step(Doing.FINDING_MODES)
     by_name = {verdict.name: verdict for verdict in known}
     names = (*required_of(mission_net), *informative_of(mission_net))
+    sizes = None if alternatives is None else (alternatives.everything.count(), sum(firings.values()))
     return MissionCheck(
-        spaces,
-        {name: by_name.get(name, Verdict(name, None, reason)) for name in names},
-        choice,
-        markings,
-        alternatives,
-        None if alternatives is None else (alternatives.everything.count(), sum(firings.values())),
-        {} if space is None else functioning_modes(mission_net, space),
-        *never,
-        idle,
-        _late(mission_net, alternatives),
+        spaces=spaces,
+        verdicts={name: by_name.get(name, Verdict(name, None, reason)) for name in names},
+        choice=choice,
+        markings=markings,
+        alternatives=alternatives,
+        stable_sizes=sizes,
+        modes={} if space is None else functioning_modes(mission_net, space),
+        unselectable=never.unselectable,
+        futile=never.futile,
+        changing_nothing=idle,
+        late=_late(mission_net, alternatives),
     )
 
 

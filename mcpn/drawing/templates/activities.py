@@ -92,7 +92,17 @@ def draw_activity(
             otherwise = [pen.place(f"eval{i + 2}")]
         elif not canvas.usage.refusable(activity.name):
             otherwise = []
-        drawing(canvas, activity, alternative, i, evaluation, otherwise, life, running, at_once).all()
+        drawing(
+            canvas=canvas,
+            activity=activity,
+            alternative=alternative,
+            index=i,
+            evaluation=evaluation,
+            otherwise=otherwise,
+            life=life,
+            running=running,
+            at_once=at_once,
+        ).all()
         if i < last:
             evaluation = otherwise[0]
 

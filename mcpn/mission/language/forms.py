@@ -170,7 +170,18 @@ def _field(owner: type, name: str, default: Any, hint: Any) -> Field:
     tag = (noted(Called) or Called(name)).name
     datatype = noted(Datatype) or BY_CLASS.get(classes[0])
     children, core = noted(Children) or Children(), noted(Core) is not None
-    return Field(name, classes, several, default, owner, tag, datatype, noted(str) or "", children, core)
+    return Field(
+        name=name,
+        classes=classes,
+        several=several,
+        default=default,
+        owner=owner,
+        tag=tag,
+        type=datatype,
+        words=noted(str) or "",
+        children=children,
+        core=core,
+    )
 
 
 @dataclass(frozen=True, slots=True)

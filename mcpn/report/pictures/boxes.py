@@ -128,21 +128,21 @@ class _Building:
             children = block.blocks
         kind = _KINDS[type(block)]
         return Box(
-            key,
-            kind,
-            block.name,
-            block.description,
-            tuple(_notes(block, within)),
-            block.mandatory or within != "parallel",
-            block.activities if isinstance(block, Objective) else (),
-            block.success,
-            block.failure,
-            block.abort,
-            block.recover,
-            block.timeout_goto,
-            block.routes,
-            block.handlers,
-            self.series(children, uses, block.handlers, kind),
+            key=key,
+            kind=kind,
+            name=block.name,
+            description=block.description,
+            notes=tuple(_notes(block, within)),
+            mandatory=block.mandatory or within != "parallel",
+            activities=block.activities if isinstance(block, Objective) else (),
+            success=block.success,
+            failure=block.failure,
+            abort=block.abort,
+            recover=block.recover,
+            timeout_goto=block.timeout_goto,
+            routes=block.routes,
+            handlers=block.handlers,
+            children=self.series(children, uses, block.handlers, kind),
         )
 
 

@@ -153,15 +153,15 @@ class RobotRun:
     ) -> Started:
         self.starts += 1
         made = Started(
-            spec,
-            name,
-            alternative,
-            objective,
-            parameters,
-            self.starts,
-            self._said,
-            lambda: len(self._events) < MOST_EVENTS,
-            self.warden,
+            spec=spec,
+            name=name,
+            alternative=alternative,
+            objective=objective,
+            parameters=parameters,
+            number=self.starts,
+            told=self._said,
+            ready=lambda: len(self._events) < MOST_EVENTS,
+            keeper=self.warden,
         )
         if made.topics is not None:
             self._fresh = True  # also without a stop: its number is not given again

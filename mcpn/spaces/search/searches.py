@@ -165,12 +165,10 @@ class Searches:
                 self.net.initial,
                 encoded,
                 [roots[goal] for goal in left],
-                min(length, steps),
-                self._length,
-                number,
-                False,
-                [],
-                self._orders[number % 2],
+                steps=min(length, steps),
+                length=self._length,
+                seed=number,
+                order=self._orders[number % 2],
             )
             met = {left[index]: run for index, run in walked}
             yield from met.items()
@@ -184,7 +182,14 @@ class Searches:
         encoded, roots = encode(goals, len(self.net.places))
         length = max(self._length, 2 * sum(counts))
         return self.kernel.walk(
-            self.net.initial, encoded, roots, steps, length, seed, False, list(counts), self._orders[seed % 2]
+            self.net.initial,
+            encoded,
+            roots,
+            steps=steps,
+            length=length,
+            seed=seed,
+            counts=list(counts),
+            order=self._orders[seed % 2],
         )
 
     def ends(self, *, steps: int, walks: int) -> Iterator[list[int]]:

@@ -462,16 +462,16 @@ class Interpreter:
         for name, at in state.activities:
             by_doing[at[0]].add((name, "" if at == REFUSED else self.robot.way(name, at).name))
         return Seen(
-            state.running,
-            state.pending,
-            frozenset(name for name, _ in state.ended),
-            frozenset(by_doing[Acting.RUNS]),
-            frozenset(by_doing[Acting.TRIES] | by_doing[Acting.ASKS]),
-            frozenset(name for name, _ in by_doing[Acting.REFUSED]),
-            state.out,
-            state.unnoticed,
-            frozenset((fact, value) for fact, value in state.facts),
-            state.outcome,
+            running=state.running,
+            pending=state.pending,
+            ended=frozenset(name for name, _ in state.ended),
+            mode=frozenset(by_doing[Acting.RUNS]),
+            waiting=frozenset(by_doing[Acting.TRIES] | by_doing[Acting.ASKS]),
+            refused=frozenset(name for name, _ in by_doing[Acting.REFUSED]),
+            out=state.out,
+            unnoticed=state.unnoticed,
+            facts=frozenset((fact, value) for fact, value in state.facts),
+            outcome=state.outcome,
         )
 
     def parameters(self, objective: str | None, activity: str, alternative: str) -> dict[str, str]:

@@ -56,16 +56,16 @@ def seen_of(
 ) -> Seen:
     """What a situation or a controller's state says."""
     return Seen(
-        frozenset(said.objectives),
-        frozenset(said.pending),
-        frozenset(said.done),
-        frozenset(said.mode.items()),
-        frozenset(said.waiting.items()),
-        frozenset(said.refused),
-        frozenset(out),
-        frozenset(unnoticed),
-        frozenset(facts.items()),
-        outcome,
+        running=frozenset(said.objectives),
+        pending=frozenset(said.pending),
+        ended=frozenset(said.done),
+        mode=frozenset(said.mode.items()),
+        waiting=frozenset(said.waiting.items()),
+        refused=frozenset(said.refused),
+        out=frozenset(out),
+        unnoticed=frozenset(unnoticed),
+        facts=frozenset(facts.items()),
+        outcome=outcome,
     )
 
 

@@ -85,7 +85,17 @@ def touches(subject: Subject) -> Iterator[Touch]:
                 kind, element, *part = meaning
                 row, meeting = _declared(found, index, kind, part[0] if part else "")
                 side, allowed = _sides(found, by, (kind, element), meeting)
-                yield Touch(transition.name, by, letter, place.name, kind, element, row, side, allowed)
+                yield Touch(
+                    transition=transition.name,
+                    by=by,
+                    letter=letter,
+                    place=place.name,
+                    kind=kind,
+                    element=element,
+                    row=row,
+                    side=side,
+                    allowed=allowed,
+                )
 
 
 def contract_of_arcs(subject: Subject) -> None:

@@ -130,5 +130,15 @@ class NodeRows:
         given = None if ports is None else _ports(ports)
         for name in names.split():
             self.rows.append(
-                NodeRow(name, self.library, span, role, children or usual, given, rule, outcome, exact)
+                NodeRow(
+                    node=name,
+                    library=self.library,
+                    versions=span,
+                    role=role,
+                    children=children or usual,
+                    ports=given,
+                    rule=rule,
+                    outcome=outcome,
+                    exact=exact,
+                )
             )
