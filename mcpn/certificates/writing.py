@@ -426,7 +426,11 @@ def stated_formula(
     elif not claim.formula:
         raise Uncertified("no formula of the certificate says it")
     else:
-        text, formula = claim.formula, parse(claim.formula, names)
+        text = claim.formula
+        try:
+            formula = parse(text, names)
+        except InputError as error:  # it is too long to read
+            raise Uncertified(str(error)) from error
     try:
         return {"text": text, "formula": formula_entry(formula, mission_net)}
     except InputError as error:

@@ -22,6 +22,7 @@ from mcpn.certificates.net_entry import net_entry
 from mcpn.certificates.sections import sectioncheck, sectionforms
 from mcpn.certificates.writing import certificate_of
 from mcpn.errors import ConfluenceError, LimitError
+from mcpn.logic import syntax
 from mcpn.logic.syntax import parse
 from mcpn.mission.model import Mission
 from mcpn.nets.numbering import Nodes
@@ -171,3 +172,13 @@ def test_formulas_are_read_without_drawing(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(copies, "objectives", None)
     assert parse(f"EF E(happens(OBJ_{name}_EV_OK))", names) == said
     assert formula_entry(said, mission_net)[-1] == ["E", ["happens", ["success", name]]]
+
+
+def test_claims_too_long_to_read_are_trusted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The formula of a claim on all objectives may be longer than what is read: the others are certified."""
+    check = Study(FAMILIES["sites"][0](60)).verdicts()
+    assert check is not None
+    monkeypatch.setattr(syntax, "MAX_LENGTH", 500)
+    made = certificate_of(check)
+    assert made.claims
+    assert any("more than 500 characters" in why for _, why in made.trusted.values())
