@@ -34,6 +34,7 @@ from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parents[2]))
 
+from experiments.growth.rates import rated
 from experiments.growth.walls import LOCALISATION, WALLS, activity, mission
 from experiments.shared.missions import Parameters, generate
 from mcpn.mission.model import SUCCEED, Block, Handler, Mission, Objective, Parallel, Recursive
@@ -152,19 +153,24 @@ BARS: tuple[tuple[str, int, str, float, int | None], ...] = (
     *((family, size, "check", 5, None) for family, size in (("data", 20), ("ladder", 30), ("producers", 12))),
     *((family, 8, "check", 5, None) for family in ("share", "drivers", "branches")),
     ("hardware", 40, "check", 5, None),
-    ("hardware", 40, "causes", 5, None),
-    ("hardware", 40, "report", 10, None),
-    ("hardware", 40, "controller", 10, None),
+    ("hardware", 40, "causes", 2.5, None),
+    ("hardware", 40, "report", 6, None),
+    ("hardware", 40, "modular", 2.5, None),
     ("100 sections of", 30, "causes", 2, None),
-    *((family, 12, "check", 2, None) for family in ("crashing", "fused")),
+    ("fused", 8, "check", 1, None),
+    ("fused", 12, "check", 2, None),
+    ("crashing", 12, "check", 1.3, None),
+    ("crashing", 16, "check", 3, None),
     ("overlapping", 16, "check", 3, None),
     ("chains", 8, "check", 3, None),
     ("tasks", 64, "check", 5, None),
-    ("pausing", 10, "check", 3, None),
+    ("pausing", 10, "check", 0.8, None),
+    ("pausing", 12, "check", 1.5, None),
     ("pausing", 10, "modular", 5, None),
     ("quadruped", 6, "modular", 3, None),
     ("sites", 5, "tests", 5, None),
     ("sites", 5, "flat", 1.2, None),
+    ("sites with rates", 5, "rates", 1, None),
     ("inspecting", 10_000, "check", 15, 500),
     ("inspecting", 10_000, "causes", 40, None),
     ("inspecting", 10_000, "report", 45, None),
@@ -177,6 +183,7 @@ BARS: tuple[tuple[str, int, str, float, int | None], ...] = (
     ("sites", 3000, "check", 5, None),
     ("sites", 3000, "text", 12, 500),
     ("branches", 5, "modular", 2, None),
+    ("branches", 6, "hierarchical", 2, None),
     ("sites", 10_000, "check", 18, 600),
     ("sites", 10_000, "text", 45, 1500),
     ("sites", 10_000, "causes", 60, None),
@@ -269,8 +276,12 @@ def write(family: str, size: int, folder: str) -> Path:
         path = Path(folder) / "net.net"
         path.write_text("pl a (1)\ntr t a -> b\ntr u b -> a\n", encoding="utf-8")
         return path
-    many = family == "100 sections of"
-    made = generate(Parameters(100, 20, size, per_section=4)) if many else FAMILIES[family][0](size)
+    if family == "100 sections of":
+        made = generate(Parameters(100, 20, size, per_section=4))
+    elif family == "sites with rates":
+        made = rated(FAMILIES["sites"][0](size))
+    else:
+        made = FAMILIES[family][0](size)
     path = Path(folder) / f"{family.replace(' ', '_')}{size}.xml"
     path.write_bytes(write_mission(made))
     return path
@@ -282,10 +293,15 @@ OUTPUTS = {
     "flat": ("-o", "controller", "--form", "flat"),
     "report": ("-o", "report.html"),
     "tests": ("-o", "tests"),
+    "hierarchical": ("-o", "controller", "--form", "hierarchical"),
+    "rates": ("--rates", "--json"),
     "text": (),
 }
 """The options of commands that write files, or words; others have ``--json``."""
-NAMES = {"modular": "controller", "flat": "controller", "text": "causes"}
+NAMES = {
+    **dict.fromkeys(("modular", "flat", "hierarchical"), "controller"),
+    **dict.fromkeys(("text", "rates"), "causes"),
+}
 """By their names in :data:`BARS` the commands that are called otherwise."""
 
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import random
 import sys
 import tempfile
 import time
@@ -24,30 +23,12 @@ sys.path.append(str(Path(__file__).resolve().parents[2]))
 
 import mcpn
 from experiments.growth.growth import BASE, natural
+from experiments.growth.rates import rated
 from mcpn.answers.causes.risk import risk
-from mcpn.mission.model import Block, Mission, Objective, Recursive
+from mcpn.mission.model import Mission, Recursive
 from mcpn.mission.writer import write_mission
 
 WAYS = ("none", "itself", "before", "first", "patrol")
-
-
-def rated(mission: Mission) -> Mission:
-    """The mission with rates and durations."""
-    drawn = random.Random(1)
-    (robot,) = mission.robots
-    hardware = tuple(
-        replace(h, failure_rate=drawn.uniform(0.001, 0.05), repair_rate=drawn.uniform(0.1, 2.0))
-        for h in robot.hardware
-    )
-    events = tuple(replace(event, rate=0.02) for event in robot.events)
-
-    def lasting(block: Block) -> Block:
-        if isinstance(block, Objective):
-            return replace(block, duration=0.5, failure_probability=0.05)
-        return replace(block, blocks=tuple(map(lasting, block.blocks)))
-
-    robots = (replace(robot, hardware=hardware, events=events),)
-    return replace(mission, robots=robots, blocks=tuple(map(lasting, mission.blocks)))
 
 
 def leading_back(mission: Mission, way: str) -> Mission:
