@@ -52,7 +52,7 @@ def test_a_section_too_large_is_refused_before_any_is_listed(
     assert run.stdout == ""
     assert run.stderr == (
         f"error: section s1 has {states(24):,} states: a machine lists every state, "
-        "the limit is 1,000,000 (--max-states)\n"
+        "the limit is 1,000,000 (--max-states); --form modular lists none\n"
     )
     # More states may be allowed; that many entries may not.
     run = mcpn("controller", path, "-o", out, "--max-states", states(24), "--hierarchical", *options)

@@ -24,6 +24,7 @@ LIBRARIES = {
     "shared/drawing",
     "shared/limits",
     "shared/plots",
+    "shared/rates",
 }
 """Modules that scripts share and that are no scripts."""
 FOLDERS = ("counts", "growth", "nets", "judges", "faults", "robots", "shared")

@@ -34,9 +34,9 @@ from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parents[2]))
 
-from experiments.growth.rates import rated
 from experiments.growth.walls import LOCALISATION, WALLS, activity, mission
 from experiments.shared.missions import Parameters, generate
+from experiments.shared.rates import rated
 from mcpn.mission.model import SUCCEED, Block, Handler, Mission, Objective, Parallel, Recursive
 from mcpn.mission.writer import write_mission
 

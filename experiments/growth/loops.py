@@ -23,7 +23,7 @@ sys.path.append(str(Path(__file__).resolve().parents[2]))
 
 import mcpn
 from experiments.growth.growth import BASE, natural
-from experiments.growth.rates import rated
+from experiments.shared.rates import rated
 from mcpn.answers.causes.risk import risk
 from mcpn.mission.model import Mission, Recursive
 from mcpn.mission.writer import write_mission

@@ -113,6 +113,10 @@ def generate(
     return hierarchical_controller(composite, listed)
 
 
+NO_LIST = "; --form modular lists none"
+"""Where machines are too large already by one count, the modular form is not made to see its size."""
+
+
 def refuse_or_tell(
     composite: CompositeSpace, max_states: int | None, told: Callable[[str], object] | None
 ) -> None:
@@ -124,11 +128,11 @@ def refuse_or_tell(
         told: Called with what there is to say of a large one.
 
     Raises:
-        LimitError: It is too large; the message says what the modular form takes.
+        LimitError: It is too large; the message says what the modular form takes, or that it lists nothing.
     """
     names = representatives(composite)
     if error := too_large(names, MAX_TABLE_STATES if max_states is None else max_states):
-        raise error
+        raise LimitError(f"{error}{'' if any(type_.steps is None for type_ in names) else NO_LIST}")
     largest = max(names, key=lambda type_: type_.size)
     if largest.size <= MOST_UNTOLD:
         return
