@@ -239,6 +239,7 @@ class PairedWalk:
         for key, names in controller.shown(state).items():
             roles = ctlforms.SHOWN[key][1]
             there = {of for role in roles for of in self.roles[role]}
+            there |= names if key == "mode" else set()  # the robot runs what is running
             same(key, {of for role in roles for of in self.marked(number, role)}, names & there)
 
     def onward(
@@ -279,6 +280,33 @@ def walked(graph: certcheck.Listing, controller: ctlforms.WalkedController) -> t
     return len(pairs), taken
 
 
+def timers_are_the_missions(net: certcheck.Net, document: Json) -> None:
+    """Refutes the controller unless what has a timer in it is what the net has a timeout of."""
+    of_net = {net.event[t][1] for t in net.carrying("timeout")}
+    each = {**document["objectives"], **document.get("blocks", {})}
+    same("timers", of_net, {name for name, one in each.items() if one["timeout"] is not None})
+
+
+def robot_is_the_missions(core: Json, document: Json) -> None:
+    """Refutes the controller unless what its activities use and make is what the core mission says."""
+    try:
+        hardware, activities = core["robot"]["hardware"], core["robot"]["activities"]
+        crash = {each["name"] for each in hardware if each["crash"] and each["faulty"]}
+        made = {each["name"]: sorted(each["produces"]) for each in activities}
+        used = {
+            each["name"]: {way["name"]: sorted(way["consumes"]) for way in each["alternatives"]}
+            for each in activities
+        }
+    except (LookupError, TypeError, AttributeError) as error:
+        raise certcheck.Malformed(f"core.json: no core mission: {error!r}") from error
+    same("hardware fails only as it is used", crash, set(document["crashing"]))
+    for name in document["activities"].keys() & used.keys():  # no other one ever runs
+        each = document["activities"][name]
+        ways = {way: sorted(one["consumes"]) for way, one in each["alternatives"].items()}
+        fine = ways == used[name] and sorted(each["produces"]) == made[name]
+        certcheck.need(fine, f"the activity {name} uses or produces something else")
+
+
 def document_at(path: str) -> Json:
     """A controller's document; unlike in certificates times may have fractions."""
     try:
@@ -311,10 +339,15 @@ def checked(
 ) -> certcheck.Report:
     """Checks a controller against the net of a certificate; raises Malformed and Limit as certcheck does."""
     until = time.monotonic() + seconds
-    net = certcheck.Net(certcheck.parsed(certcheck.unpacked(certificate), "net.json"))
+    entries = certcheck.unpacked(certificate)
+    net = certcheck.Net(certcheck.parsed(entries, "net.json"))
+    core = certcheck.parsed(entries, "core.json") if "core.json" in entries else None
 
     def walk(document: Json) -> str:
         read = ctlforms.WalkedController(document)
+        timers_are_the_missions(net, document)
+        if core is not None:
+            robot_is_the_missions(core, document)
         pairs, taken = walked(certcheck.Listing(net, most, until), read)
         return f"{pairs} pairs of states, {taken} events between them"
 

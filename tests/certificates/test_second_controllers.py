@@ -8,6 +8,7 @@ import random
 import re
 import subprocess
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,16 +16,18 @@ import pytest
 
 from experiments.faults.core_mutants import change_controller, originals, plain
 from mcpn.certificates import certcheck, ctlcheck
+from mcpn.certificates.core_entry import core_entry
 from mcpn.certificates.net_entry import net_entry
 from mcpn.controller.document import document
 from mcpn.errors import McpnError
-from mcpn.mission.model import Mission
+from mcpn.mission.model import Mission, Objective
 from mcpn.mission.xml import read_mission
 from mcpn.study import Study
 from tests.certificates.test_modular_controllers import DRAWN, EXPERIMENTS, FEW, listed, made
 from tests.certificates.test_second_checker import compiled
 from tests.conftest import ULYSSE
 from tests.draws import campaign
+from tests.small import activity, hw, mission, robot
 
 Document = dict[str, Any]
 WORDS = {0: "proved", 1: "refuted", 2: "not checked"}
@@ -36,12 +39,14 @@ def checker(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return compiled("controller_checker", tmp_path_factory)
 
 
-def certificate(net: Document, folder: Path) -> Path:
-    """A certificate of a net that claims nothing."""
+def certificate(net: Document, folder: Path, core: Document | None = None) -> Path:
+    """A certificate of a net that claims nothing, with a core mission beside it if one is given."""
     claims = {"format": "mcpn-certificate", "version": 1, "mission": "m", "claims": [], "trusted": []}
     with zipfile.ZipFile(folder / "cert", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("net.json", json.dumps(net))
         archive.writestr("claims.json", json.dumps(claims))
+        if core is not None:
+            archive.writestr("core.json", json.dumps(core))
     return folder / "cert"
 
 
@@ -126,6 +131,85 @@ def test_products_of_activities_are_read_alike(
     cert, controller = certificate(home.net, tmp_path), copy.deepcopy(home.controllers[0])
     controller["activities"][activity]["produces"] = produces
     assert both(checker, cert, controller)[:2] == expected
+
+
+def actions_of(controller: Document) -> list[list[Document]]:
+    """The actions of each entry and each edge of a controller of tables."""
+    taken = (each for row in controller["types"] for each in (*row["edges"], *row["entries"]) if each)
+    return [each["actions"] for each in taken]
+
+
+def _never_releases_the_wheels(controller: Document) -> None:
+    """The activity that uses them is said to use them no more."""
+    controller["activities"]["drive"]["alternatives"]["mapped"]["consumes"].remove("wheels")
+    for actions in actions_of(controller):
+        actions[:] = [each for each in actions if each.get("hardware") != "wheels"]
+
+
+def _drives_without_a_map(controller: Document) -> None:
+    controller["activities"]["drive"]["alternatives"]["mapped"]["consumes"].remove("map")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [_never_releases_the_wheels, _drives_without_a_map],
+)
+def test_what_activities_use_is_what_the_core_mission_says(
+    checker: Path, tmp_path: Path, change: Callable[[Document], None]
+) -> None:
+    home = originals()[0]
+    cert = certificate(home.net, tmp_path, home.core)
+    controller = copy.deepcopy(home.controllers[0])
+    assert both(checker, cert, controller)[:2] == ("proved", "proved")
+    change(controller)
+    assert both(checker, cert, controller)[:2] == ("refuted", "refuted")
+
+
+def test_hardware_that_is_released_is_no_crash(checker: Path, tmp_path: Path) -> None:
+    tool = mission(
+        robot(hw("tool", faulty=False), activity("work", ("tool",))),
+        Objective(name="o", activities=("work",)),
+    )
+    study = Study(tool)
+    controller, core = of_study(study, "flat"), plain(core_entry(study.mission_net))
+    cert = certificate(plain(net_entry(study.mission_net)), tmp_path, core)
+    assert both(checker, cert, controller)[:2] == ("proved", "proved")
+    controller["crashing"].append("tool")
+    for actions in actions_of(controller):
+        actions[:] = [each for each in actions if each["do"] != "release"]
+    assert both(checker, cert, controller)[:2] == ("refuted", "refuted")
+
+
+def test_a_timer_that_the_net_waits_for_is_not_left_out(checker: Path, tmp_path: Path) -> None:
+    home = originals()[0]
+    cert, controller = certificate(home.net, tmp_path), copy.deepcopy(home.controllers[0])
+    controller["objectives"]["go"]["timeout"] = None
+    for actions in actions_of(controller):
+        actions[:] = [each for each in actions if each["do"] not in ("arm", "disarm")]
+    assert both(checker, cert, controller)[:2] == ("refuted", "refuted")
+
+
+def test_an_activity_that_the_net_never_runs_is_not_started(checker: Path, tmp_path: Path) -> None:
+    home = originals()[0]
+    cert, controller = certificate(home.net, tmp_path), copy.deepcopy(home.controllers[0])
+    controller["activities"]["dig"] = copy.deepcopy(controller["activities"]["drive"])
+    row = next(each for each in controller["types"] if len(each["states"]) > 1)
+    for state in row["states"]:
+        state["mode"]["dig"] = "blind"
+    dig = {"activity": "dig", "objective": None}
+    added: list[list[Document]] = [[], []]
+    for each in (*row["edges"], *filter(None, row["entries"])):
+        inside = "from" in each
+        if inside == isinstance(each["to"], str):  # it is started at entry, and stopped at the exit
+            kinds = ["stop"] if inside else ["select", "start"]
+            for do in kinds:
+                more = {**dig, "do": do} | ({"alternative": "blind"} if do == "select" else {})
+                each["actions"].append(more)
+            each["actions"].sort(key=lambda action: ctlcheck.ORDER.index(action["do"]))
+            added[inside].append(each["actions"])
+    assert all(added)
+    first, second, words = both(checker, cert, controller)
+    assert (first, second) == ("refuted", "refuted"), words
 
 
 def test_what_is_shown_is_of_a_known_kind_also_where_it_never_is(checker: Path, tmp_path: Path) -> None:

@@ -85,7 +85,7 @@ class Walk {
     same("refused", shown.refused);
     Names active;
     for (const auto& [activity, alternative] : shown.mode) active.insert(activity + "." + alternative);
-    same("active", active);
+    agree(said(state, "active") == active, "other alternatives run");
     same("wait", shown.waiting, "want");
   }
 
@@ -95,9 +95,42 @@ class Walk {
   std::set<Role> roles_;
 };
 
+// What has a timer in the controller is what the net has a timeout of.
+void same_timers(const Net& net, const Controller& of) {
+  Names of_net, its;
+  for (const Transition& each : net.transitions)
+    if (!each.internal() && each.event[0] == "timeout") of_net.insert(each.event[1]);
+  for (const char* kind : {"objectives", "blocks"})
+    if (of.of.members.count(kind))
+      for (const auto& [name, each] : of.of.at(kind).members)
+        if (each.at("timeout").kind != Json::null) its.insert(name);
+  agree(of_net == its, "other timers than the net has timeouts");
+}
+
+// What its activities consume and produce is what the core mission says.
+void same_robot(const Json& core, const Controller& of) {
+  const Json& robot = core.at("robot");
+  Names crash;
+  for (const Json& each : list(robot.at("hardware")))
+    if (each.at("crash").truth && each.at("faulty").truth) crash.insert(text(each.at("name")));
+  agree(crash == of.crashing, "other hardware fails only as it is used");
+  for (const Json& each : list(robot.at("activities"))) {
+    const auto found = of.of.at("activities").members.find(text(each.at("name")));
+    if (found == of.of.at("activities").members.end()) continue;  // so it never runs
+    agree(names_in(found->second.at("produces")) == names_in(each.at("produces")), "an activity makes something else");
+    std::map<std::string, Names> used, its;
+    for (const Json& way : list(each.at("alternatives"))) used[text(way.at("name"))] = names_in(way.at("consumes"));
+    for (const auto& [name, way] : found->second.at("alternatives").members) its[name] = names_in(way.at("consumes"));
+    agree(used == its, "an activity uses something else");
+  }
+}
+
 std::string walked(const std::string& certificate, const std::string& path, const Clock& clock) {
-  const Net net = net_of(parsed(unzipped(certificate).at("net.json")));
+  const auto entries = unzipped(certificate);
+  const Net net = net_of(parsed(entries.at("net.json")));
   const Controller controller = controller_of(path);
+  same_timers(net, controller);
+  if (entries.count("core.json")) same_robot(parsed(entries.at("core.json")), controller);
   const States states(net, clock);
   const auto [pairs, events] = Walk(net, states, controller).all(clock);
   return std::to_string(pairs) + " pairs of states, " + std::to_string(events) + " events";
