@@ -19,6 +19,8 @@ LIBRARIES = {
     "faults/both_checkers",
     "faults/callers",
     "faults/campaigns",
+    "faults/seeded_list",
+    "faults/seeded_missions",
     "nets/dd_engine",
     "shared/contest_nets",
     "shared/drawing",
