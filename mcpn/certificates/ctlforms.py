@@ -374,6 +374,9 @@ class WalkedController:
             type_ = self.types[state.section]
             said = type_.said(state.at, state.gone, state.true)
             for key, (kind, _) in SHOWN.items():
+                words = said[key].values() if kind == "alternatives" else said[key]
+                fine = all(isinstance(each, str) for each in words)
+                certcheck.need(fine, f"a state says in {key} what is no text", certcheck.Malformed)
                 names = (
                     [f"{a}.{way}" for a, way in said[key].items()] if kind == "alternatives" else said[key]
                 )

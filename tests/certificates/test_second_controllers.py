@@ -212,6 +212,15 @@ def test_an_activity_that_the_net_never_runs_is_not_started(checker: Path, tmp_p
     assert (first, second) == ("refuted", "refuted"), words
 
 
+def test_what_waits_is_a_text_also_where_nothing_ever_does(checker: Path, tmp_path: Path) -> None:
+    tool = mission(robot(hw("tool"), activity("work", ("tool",))), Objective(name="o", activities=("work",)))
+    study = Study(tool)
+    cert, controller = certificate(plain(net_entry(study.mission_net)), tmp_path), of_study(study, "flat")
+    for state in controller["types"][0]["states"]:
+        state["waiting"] = {"never": {}}
+    assert both(checker, cert, controller)[:2] == ("not checked", "not checked")
+
+
 def test_what_is_shown_is_of_a_known_kind_also_where_it_never_is(checker: Path, tmp_path: Path) -> None:
     home = originals()[0]
     cert = certificate(home.net, tmp_path)
