@@ -39,9 +39,18 @@ class Words {
     if (op == "fires") return fires(parts);
     if (op == "E" && parts[1].items[0].string == "happens") return fires(parts[1].items);
     if (op != "not" && op != "and" && op != "or") return made;
-    made.op = op == "not" ? Asked::negation : op == "and" ? Asked::all : Asked::any;
-    for (std::size_t i = 1; i < parts.size(); ++i) made.parts.push_back(asked(parts[i]));
-    return made;
+    if (op == "not") {
+      const Asked part = asked(parts[1]);
+      return part.op == Asked::known ? is(!part.truth) : Asked{Asked::negation, Truth::open, {}, {}, {part}};
+    }
+    made.op = op == "and" ? Asked::all : Asked::any;
+    const Truth decides = op == "and" ? Truth::no : Truth::yes;
+    for (std::size_t i = 1; i < parts.size(); ++i) {  // most of what is asked is of other sections, and known
+      Asked part = asked(parts[i]);
+      if (part.op != Asked::known || part.truth == Truth::open) made.parts.push_back(std::move(part));
+      else if (part.truth == decides) return part;
+    }
+    return made.parts.empty() ? is(!decides) : made;
   }
   // An event of the section in its own words; none where it has no such event.
   std::vector<Texts> event(Texts of) const {
@@ -57,6 +66,7 @@ class Words {
   }
 
  private:
+  static Asked is(Truth truth) { return {Asked::known, truth, {}, {}, {}}; }
   // The names here of what the mission has under a name.
   Texts named(const std::string& kind, const std::string& name) const {
     if (!of_) return {};
@@ -75,13 +85,13 @@ class Words {
     const auto kind = kinds.find(role);
     if (!alternative && !ends && kind == kinds.end()) return {};
     if (role == "oos" && named("resource", element).empty()) return {};
-    if (ends && !of_ && role == role_) return {Asked::known, Truth::yes, {}, {}, {}};
+    if (ends && !of_ && role == role_) return is(Truth::yes);
     Texts own;
     if (kind != kinds.end()) own = named(kind->second, element);
     else if (alternative && of_)
       if (const auto found = of_->alternatives.find(element); found != of_->alternatives.end()) own = found->second;
     for (const std::string& each : own) made.roles.emplace(role == "want" ? "wait" : role, each);
-    return made;
+    return own.empty() ? is(Truth::no) : made;
   }
   Asked fires(const std::vector<Json>& parts) const {
     Asked made;
@@ -93,10 +103,10 @@ class Words {
       if (hardware && named("resource", of[1]).empty()) made.truth = Truth::open;
       for (const Texts& own : event(of)) {
         made.events.insert(own);
-        if (!of_) return {Asked::known, Truth::yes, {}, {}, {}};
+        if (!of_) return is(Truth::yes);
       }
     }
-    return made;
+    return made.events.empty() ? is(made.truth) : made;
   }
 
   const Placed* of_ = nullptr;
