@@ -177,6 +177,7 @@ NOT_MEASURED = {
     *("133", "150", "155", "764", "3628", "765", "2017"),  # what the paper prints, and what is near it
     "41",  # switches of the search for designs
     "10",  # seconds after which a listing, or a proof, is stopped
+    "17",  # digits of the parts that vectors of chances are counted in
     "4,096",  # firings behind an event after which each marking is kept
 }
 
