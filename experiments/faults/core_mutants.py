@@ -184,8 +184,8 @@ def claimed(event: str, orders: Sequence[Action], before: Runs, after: Runs, con
     going = {name for name, way in before.items() if after.get(name) == way}
     changed = {each.activity for each in orders if each.verb in ("stop", "select")} - going
 
-    def held(by: Iterable[str]) -> set[str]:
-        ways = (consumes.get(f"{name}.{before[name]}", "") for name in by if name in before)
+    def held(by: Iterable[str | None]) -> set[str]:
+        ways = (consumes.get(f"{name}.{before[name]}", "") for name in by if name and name in before)
         return {hardware for way in ways for hardware in way.split()}
 
     timers = {verb: {each.objective for each in orders if each.verb == verb} for verb in ("arm", "disarm")}

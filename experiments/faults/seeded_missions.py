@@ -132,7 +132,7 @@ def _of_causes(study: Study, rates: bool) -> tuple[Any, Any]:
     from mcpn.report.failures.objects import causes_object, risk_object
 
     causes = study.causes()
-    said = [causes_object(causes, claims_of_causes(causes), runs=False)]
+    said: list[Any] = [causes_object(causes, claims_of_causes(causes), runs=False)]
     if rates:
         said = [risk_object(risk(causes.prospects)), bounds(study.causes(engine="explicit").prospects)]
     return said, lambda: certificate_of_causes(causes, chances=rates)
@@ -160,7 +160,7 @@ def answered(asked: str) -> Answered:
     name, what, how = asked.rsplit(" ", 2)
     study = Study(mission_of(name))
     if what != "controller":
-        study = study.bound(engine=how)
+        study = study.bound(engine=how)  # type: ignore[arg-type]
     asking: dict[str, Callable[[], tuple[Any, Any]]] = {
         "check": lambda: _of_check(study, how),
         "causes": lambda: _of_causes(study, rates=False),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from dataclasses import replace
 
-from mcpn.mission.model import Block, Mission, Objective
+from mcpn.mission.model import Block, Mission, Objective, Parallel, Recursive
 
 
 def rated(mission: Mission) -> Mission:
@@ -21,7 +21,9 @@ def rated(mission: Mission) -> Mission:
     def lasting(block: Block) -> Block:
         if isinstance(block, Objective):
             return replace(block, duration=0.5, failure_probability=0.05)
-        return replace(block, blocks=tuple(map(lasting, block.blocks)))
+        if isinstance(block, Recursive | Parallel):
+            return replace(block, blocks=tuple(map(lasting, block.blocks)))
+        return block
 
     robots = (replace(robot, hardware=hardware, events=events),)
     return replace(mission, robots=robots, blocks=tuple(map(lasting, mission.blocks)))
