@@ -231,7 +231,7 @@ class _Writing:
                     self.pauses(node, by_name[name], scope, by_name[fails] if fails else block)
         for block in blocks:
             if block.resumes:
-                self.resuming(parent.children[block.name], block, parent)
+                self.resuming(parent.children[block.name], block, parent, scope)
 
     def pauses(self, node: WrittenBlock, by: Block, scope: _Scope, failing: Block) -> None:
         """Gives each objective in a block what is run when it is stopped, which leads back to it.
@@ -245,10 +245,11 @@ class _Writing:
             node.pauses[by.name, leaf.name] = shelter
             node.parent.children[f"{by.name} at {leaf.name}"] = shelter
 
-    def resuming(self, copy: WrittenBlock, block: Block, parent: WrittenBlock) -> None:
+    def resuming(self, copy: WrittenBlock, block: Block, parent: WrittenBlock, scope: _Scope) -> None:
         """Lets a copy that is written out run while what it resumes is stopped, as core missions say it."""
         inside = (node for child in parent.children.values() for node in _every(child))
-        copy.success = at = next(node for node in inside if node.name == block.resumes)
+        resumed = f"{scope.prefix}{block.resumes}{scope.suffix}"  # a pause may be copied with those in it
+        copy.success = at = next(node for node in inside if node.name == resumed)
         by = block.name.removesuffix(f"_{block.copy[-1]}")
         for node in parent.children.values():
             if at.within(node):
