@@ -6,7 +6,7 @@ the section's own slots are open in it. What is computed once for a set serves e
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cached_property, partial
 from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
@@ -19,6 +19,7 @@ from mcpn.drawing.forgetful import Guard, forgetful
 from mcpn.drawing.sections import LocalPart
 from mcpn.drawing.status import Element
 from mcpn.errors import LimitError, PremiseError
+from mcpn.nets.relaxed import relaxed
 from mcpn.spaces.algebra import Edge
 from mcpn.spaces.diagrams.closing import chained
 from mcpn.spaces.diagrams.encoding import Encoding
@@ -140,29 +141,11 @@ class SectionType:
 
     @memoized
     def may_lead_to(self, left_out: frozenset[int]) -> frozenset[Exit]:
-        """The exits that runs without some events of the section may lead to, and maybe others.
-
-        The places that are marked on some run are among those that are if no firing takes a token away (the
-        delete relaxation of planning), and an exit that is not among these is never reached.
-        """
-        missing, marked, queue = self._needed.copy(), set[int](), list[int]()
-
-        def mark(places: Iterable[int]) -> None:
-            for place in places:
-                if place not in marked:
-                    marked.add(place)
-                    queue.append(place)
-
+        """The exits that runs without some events of the section may lead to, and maybe others."""
         transitions = self.net.net.safe_transitions
-        mark(place for place, tokens in enumerate(self.net.net.initial) if tokens)
-        for t, needed in enumerate(missing):
-            if not needed and t not in left_out:
-                mark(transitions[t].produce)
-        while queue:
-            for t in self._users[queue.pop()]:
-                missing[t] -= 1
-                if not missing[t] and t not in left_out:
-                    mark(transitions[t].produce)
+        at_first = (place for place, tokens in enumerate(self.net.net.initial) if tokens)
+        needs = {t: count for t, count in enumerate(self._needed) if t not in left_out}
+        marked, _ = relaxed(at_first, needs, self._users, lambda t: transitions[t].produce)
         return frozenset(exit_ for exit_, place in self.net.exits.items() if place in marked)
 
     @cached_property

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Set
 
 from mcpn.nets.reduce.draft import Draft
+from mcpn.nets.relaxed import relaxed
 
 MOST_COMPARED = 40
 """Transitions of one effect that are compared with each other."""
@@ -16,21 +17,10 @@ MOST_COMPARED = 40
 
 def drop_never_marked(draft: Draft) -> bool:
     """Transitions that need a place of an unmarked siphon: no run ever marks it."""
-    missing = {t: len(needs) for t, needs in draft.pre.items()}
-    marked = {place for place in draft.places if draft.initial[place]}
-    queue = list(marked)
-    for t, count in missing.items():
-        if not count:
-            queue += draft.post[t].keys() - marked
-            marked |= draft.post[t].keys()
-    while queue:
-        for t in draft.users[queue.pop()]:
-            missing[t] -= 1
-            if not missing[t]:
-                queue += draft.post[t].keys() - marked
-                marked |= draft.post[t].keys()
-    dead = [t for t, count in missing.items() if count]
-    for t in dead:
+    marked = (place for place in draft.places if draft.initial[place])
+    needs = {t: len(places) for t, places in draft.pre.items()}
+    _, dead = relaxed(marked, needs, draft.users, draft.post.__getitem__)
+    for t in sorted(dead):
         draft.drop(t)
     return bool(dead)
 
