@@ -16,6 +16,7 @@ from mcpn.controller.modular import AnyController, ModularController
 from mcpn.controller.rules import modular_controller
 from mcpn.controller.sizes import (
     MAX_TABLE_STATES,
+    has_rules,
     rather_rules,
     representatives,
     rules_instead,
@@ -113,10 +114,6 @@ def generate(
     return hierarchical_controller(composite, listed)
 
 
-NO_LIST = "; --form modular lists none"
-"""Where machines are too large already by one count, the modular form is not made to see its size."""
-
-
 def refuse_or_tell(
     composite: CompositeSpace, max_states: int | None, told: Callable[[str], object] | None
 ) -> None:
@@ -132,7 +129,7 @@ def refuse_or_tell(
     """
     names = representatives(composite)
     if error := too_large(names, MAX_TABLE_STATES if max_states is None else max_states):
-        raise LimitError(f"{error}{'' if any(type_.steps is None for type_ in names) else NO_LIST}")
+        raise LimitError(f"{error}{'; --form modular lists none' if has_rules(names) else ''}")
     largest = max(names, key=lambda type_: type_.size)
     if largest.size <= MOST_UNTOLD:
         return
@@ -153,7 +150,7 @@ def refuse_or_tell(
 
 def _modular_instead(composite: CompositeSpace, names: Mapping[SectionType, str]) -> str:
     """How large the modular form is, where there is one: it is made to see."""
-    if any(type_.steps is None for type_ in names):
+    if not has_rules(names):
         return ""
     text = json.dumps(document(modular_controller(composite), composite.mission_net))
     return f"; --form modular takes {len(text) / 1e3:,.0f} kB"

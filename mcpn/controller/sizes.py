@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from mcpn.composite.composite import CompositeSpace
 from mcpn.composite.section_type import SectionType
@@ -81,6 +81,11 @@ def table_edges(type_: SectionType) -> int:
     return sum(own.values()) * type_.size // type_.graph.everything.count()
 
 
+def has_rules(names: Iterable[SectionType]) -> bool:
+    """Whether the modular form can tell all types of sections."""
+    return all(type_.steps is not None for type_ in names)
+
+
 def rather_rules(names: Mapping[SectionType, str], max_states: int | None) -> LimitError | None:
     """Why a mission gets rules where no form is named; ``None`` where it gets tables.
 
@@ -91,7 +96,7 @@ def rather_rules(names: Mapping[SectionType, str], max_states: int | None) -> Li
     Raises:
         LimitError: Tables are too large, and some section has no rules.
     """
-    if any(type_.steps is None for type_ in names):
+    if not has_rules(names):
         if error := too_large(names, MAX_TABLE_STATES if max_states is None else max_states):
             raise error
         return None
@@ -104,7 +109,7 @@ def rather_rules(names: Mapping[SectionType, str], max_states: int | None) -> Li
 
 def rules_instead(names: Mapping[SectionType, str]) -> str:
     """What the modular form takes instead, where there is one and its size is known."""
-    if any(type_.steps is None for type_ in names):
+    if not has_rules(names):
         return ""
     rows = [row for type_ in names for row in (type_.steps or {}).values() if row is not None]
     most = "" if any(map(is_function, rows)) else f"at most {sum(map(count_steps, rows)):,} "
