@@ -113,11 +113,8 @@ class RobotModel:
             certcheck.need(activity not in self.running, f"{activity} is started, and runs")
             certcheck.need(activity in self.chosen, f"{activity} is started in no alternative")
             way = self.chosen[activity]
-            consumed, makers = (
-                self.activities[activity]["alternatives"][way]["consumes"],
-                self.controller.producers,
-            )
-            needed = {each for each in consumed if makers.get(each, set()) - {activity}}
+            consumed = self.activities[activity]["alternatives"][way]["consumes"]
+            needed = {x for x in consumed if self.controller.producers.get(x, set()) - {activity}}
             certcheck.need(
                 needed <= self.made(self.running), f"{activity} is started before what it consumes"
             )
@@ -287,24 +284,30 @@ def timers_are_the_missions(net: certcheck.Net, document: Json) -> None:
     same("timers", of_net, {name for name, one in each.items() if one["timeout"] is not None})
 
 
+def use_in_core(activity: Json) -> tuple[dict[str, list[str]], list[str]]:
+    """What the alternatives of an activity of a core mission consume, and what it produces."""
+    ways = {way["name"]: sorted(way["consumes"]) for way in activity["alternatives"]}
+    return ways, sorted(activity["produces"])
+
+
+def same_use(name: str, in_core: tuple[dict[str, list[str]], list[str]], activity: Json) -> None:
+    """Refutes the controller unless an activity in it uses and produces what it does in the core mission."""
+    ways = {way: sorted(one["consumes"]) for way, one in activity["alternatives"].items()}
+    fine = (ways, sorted(activity["produces"])) == in_core
+    certcheck.need(fine, f"the activity {name} uses or produces something else")
+
+
 def robot_is_the_missions(core: Json, document: Json) -> None:
     """Refutes the controller unless what its activities use and make is what the core mission says."""
     try:
         hardware, activities = core["robot"]["hardware"], core["robot"]["activities"]
         crash = {each["name"] for each in hardware if each["crash"] and each["faulty"]}
-        made = {each["name"]: sorted(each["produces"]) for each in activities}
-        used = {
-            each["name"]: {way["name"]: sorted(way["consumes"]) for way in each["alternatives"]}
-            for each in activities
-        }
+        used = {each["name"]: use_in_core(each) for each in activities}
     except (LookupError, TypeError, AttributeError) as error:
         raise certcheck.Malformed(f"core.json: no core mission: {error!r}") from error
     same("hardware fails only as it is used", crash, set(document["crashing"]))
     for name in document["activities"].keys() & used.keys():  # no other one ever runs
-        each = document["activities"][name]
-        ways = {way: sorted(one["consumes"]) for way, one in each["alternatives"].items()}
-        fine = ways == used[name] and sorted(each["produces"]) == made[name]
-        certcheck.need(fine, f"the activity {name} uses or produces something else")
+        same_use(name, used[name], document["activities"][name])
 
 
 def document_at(path: str) -> Json:

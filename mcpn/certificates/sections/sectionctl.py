@@ -151,11 +151,8 @@ class ControllerBySections:
         reached = (self.played.names[section] for section in self.played.reached)
         for name in {old for names in reached for kind, old in names if kind == "a"}:
             certcheck.need(name in document["activities"], f"there is no activity {name}")
-            each, found = robot.activities[name], document["activities"][name]
-            ways = {way["name"]: sorted(way["consumes"]) for way in each["alternatives"]}
-            its = {way: sorted(one["consumes"]) for way, one in found["alternatives"].items()}
-            fine = ways == its and sorted(each["produces"]) == sorted(found["produces"])
-            certcheck.need(fine, f"the activity {name} uses or produces something else")
+            in_core = ctlcheck.use_in_core(robot.activities[name])
+            ctlcheck.same_use(name, in_core, document["activities"][name])
 
     def section_is_the_missions(self, name: str) -> None:
         """Refutes the controller unless objectives and timers of a section are the mission's."""

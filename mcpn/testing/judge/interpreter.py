@@ -120,9 +120,8 @@ class Interpreter:
         self.timed = {node.name: node for node in _nodes(self.root) if node.timeout is not None}
         self.pause_graphs = {pause_graph.name: pause_graph for pause_graph in _shelters(self.root)}
         values = {fact.name: fact.initial or fact.values[0] for fact in mission.every_fact}
-        self.kept = (
-            frozenset(_read_of_objectives(mission)) - values.keys()
-        )  # core missions declare and set them
+        # Core missions declare and set them.
+        self.kept = frozenset(_read_of_objectives(mission)) - values.keys()
         values |= dict.fromkeys(self.kept, "false")
         hardware = [h for robot in mission.robots for h in robot.hardware]
         self.lasting = {h.name for h in hardware if not h.repairable}
