@@ -212,6 +212,16 @@ def test_an_activity_that_the_net_never_runs_is_not_started(checker: Path, tmp_p
     assert (first, second) == ("refuted", "refuted"), words
 
 
+def test_a_fact_that_the_net_does_not_say_is_missed(checker: Path, tmp_path: Path) -> None:
+    day = originals()[1]
+    net = copy.deepcopy(day.net)
+    place = next(each for each in net["places"] if ["fact", "light=false"] in each["roles"])
+    place["roles"] = []
+    passing = next(each for each in net["places"] if each["name"] == "PAR_noon_enter")  # in no stable state
+    passing["roles"] = [["fact", "light=false"]]
+    assert both(checker, certificate(net, tmp_path), day.controllers[0])[:2] == ("refuted", "refuted")
+
+
 def test_what_waits_is_a_text_also_where_nothing_ever_does(checker: Path, tmp_path: Path) -> None:
     tool = mission(robot(hw("tool"), activity("work", ("tool",))), Objective(name="o", activities=("work",)))
     study = Study(tool)
