@@ -8,7 +8,7 @@ certificates and has them checked; answers are compared with those of the unchan
 that a program refutes a claim of a certificate; *not proved* that a claim of an unchanged one is proved no
 more; *not written* that mcpn ends with an error as it writes the certificate; *contradicted* that an interval
 that is proved does not hold the number that is said; *mcpn stops* that it gives no answer. What is *unseen*
-has changed an answer and nothing else. Faults that change no answer count in no column but the first.
+has changed an answer and nothing else. A fault that changes a net alone, and no answer, may be refuted.
 """
 
 from __future__ import annotations
@@ -46,11 +46,13 @@ class Outcome(NamedTuple):
         how: One of ``HOW``, or ``same``.
         by: What notices it.
         shown: The first question that shows it.
+        answers: Whether some answer is another one than without it, or is not there.
     """
 
     how: str
     by: str
     shown: str
+    answers: bool
 
 
 def changed(fault: Seeded, package: Path) -> str:
@@ -123,8 +125,9 @@ def outcome(fault: Seeded, right: dict[str, Answered]) -> Outcome:
     try:
         wrong = answers([fault], fault.asks)
     except subprocess.TimeoutExpired:
-        return Outcome("mcpn stops", f"no answer in {SECONDS} s", fault.asks[0])
-    each = [Outcome(*compared(right[asked], wrong[asked]), asked) for asked in fault.asks]
+        return Outcome("mcpn stops", f"no answer in {SECONDS} s", fault.asks[0], answers=True)
+    other = any(wrong[asked].stopped or wrong[asked].said != right[asked].said for asked in fault.asks)
+    each = [Outcome(*compared(right[asked], wrong[asked]), asked, other) for asked in fault.asks]
     return min(each, key=lambda one: (*HOW, "same").index(one.how))
 
 
@@ -135,7 +138,8 @@ def table(rows: Sequence[tuple[Seeded, Outcome]]) -> str:
     for area in (*areas, "all"):
         counts = Counter(found.how for fault, found in rows if area in ("all", fault.area))
         every = sum(counts.values())
-        cells = [every, every - counts["same"], *(counts[how] for how in HOW)]
+        other = sum(found.answers for fault, found in rows if area in ("all", fault.area))
+        cells = [every, other, *(counts[how] for how in HOW)]
         lines.append(f"| {area} | {' | '.join(map(str, cells))} |")
     return "\n".join(lines)
 
@@ -160,7 +164,7 @@ def main() -> None:
     print("| area | what is wrong | outcome | by | shown by |\n|---|---|---|---|---|")
     for fault in faults:
         rows.append((fault, found := outcome(fault, right)))
-        print(f"| {fault.area} | {fault.wrong} | {' | '.join(found)} |", flush=True)
+        print(f"| {fault.area} | {fault.wrong} | {' | '.join(found[:3])} |", flush=True)
     print(f"\n{table(rows)}")
 
 
