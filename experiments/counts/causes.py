@@ -30,7 +30,7 @@ from mcpn.logic.syntax import parse
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.mission.xml import read_mission
-from mcpn.report.failures.tables import fmeca_rows
+from mcpn.report.failures.fmeca_table import fmeca_rows
 from mcpn.report.pictures.plots import Curves
 from mcpn.sentences import enumeration
 from mcpn.spaces.diagrams.spaces import DiagramMarkings

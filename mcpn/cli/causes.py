@@ -14,7 +14,7 @@ from mcpn.cli.printed import choice_object, emit_json, tell_warnings
 from mcpn.errors import InputError, LimitError
 
 if TYPE_CHECKING:
-    from mcpn.report.failures.tables import Classes
+    from mcpn.report.failures.fmeca_table import Classes
     from mcpn.spaces.engine_names import Asked
 
 MOST_TOLD = 50
@@ -84,7 +84,7 @@ def causes(
     from mcpn.answers.claims.of_risk import claims_of_risk
     from mcpn.files import write_atomically
     from mcpn.mission.static.intervals import at_their_means, interval_rates
-    from mcpn.report.failures import objects, risk_numbers, tables, terminal
+    from mcpn.report.failures import fmeca_table, objects, risk_numbers, terminal
     from mcpn.report.failures.openpsa import beside_the_tree, open_psa
     from mcpn.report.terminal import plain
     from mcpn.report.text import print_choice
@@ -93,7 +93,7 @@ def causes(
     classes = _classes(severities)
     hours = None if within is None else _hours(within, rates)
     if fmeca is not None:
-        tables.check_table_name(fmeca)
+        fmeca_table.check_table_name(fmeca)
     study = question.study(mission, engine)
     question.keep_apart(mission, study, fmeca, openpsa, certificate)
     if not question.as_json:
@@ -143,7 +143,7 @@ def causes(
         for sentence in said:
             click.echo(f"{openpsa}: {plain(sentence)}", err=True)
     if fmeca is not None:
-        tables.save_fmeca(rows, fmeca, classes)
+        fmeca_table.save_fmeca(rows, fmeca, classes)
     claims = claims_of_causes(found, rows)
     claims += [] if numbers is None else claims_of_risk(numbers)
     left_out = [objects.RUNS] * question.as_json + [objects.EFFECTS] * (fmeca is None)
@@ -190,7 +190,7 @@ def causes(
 def _classes(given: tuple[str, ...]) -> Classes:
     """Severity classes with the names that the user gives."""
     from mcpn.answers.causes.effects import Severity
-    from mcpn.report.failures.tables import STANDARD
+    from mcpn.report.failures.fmeca_table import STANDARD
 
     known = {severity.words: severity for severity in Severity}
     classes = dict(STANDARD)

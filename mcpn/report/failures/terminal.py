@@ -13,6 +13,7 @@ from mcpn.answers.causes.minimal_cut_sets import CutSet
 from mcpn.answers.claims.claim import Claim, sentences
 from mcpn.answers.claims.unasked import MOST_TOLD, run_of
 from mcpn.drawing.compose import MissionNet
+from mcpn.report.failures.fmeca_table import ALONE, STANDARD, Classes, fmeca_rows
 from mcpn.report.failures.sentences import (
     at_worst,
     critical,
@@ -20,7 +21,6 @@ from mcpn.report.failures.sentences import (
     of_objectives,
     survived,
 )
-from mcpn.report.failures.tables import ALONE, STANDARD, Classes, fmeca_rows
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_steps
 from mcpn.report.words import folded, in_words, of_all_copies

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from mcpn.answers.causes.effects import NOT_HERE
 from mcpn.answers.mission_names import MissionNames
+from mcpn.report.failures.fmeca_table import ALONE, COLUMNS, fmeca_rows
 from mcpn.report.failures.sentences import IMPORTANCE, risk_counts
-from mcpn.report.failures.tables import ALONE, COLUMNS, fmeca_rows
 from mcpn.report.words import MOST_NAMED, modes_in_words, modes_together, what_happens
 from mcpn.sentences import enumeration, shortened
 
