@@ -26,8 +26,8 @@ from mcpn.report.assets import environment
 from mcpn.report.certificates import NONE_CHECKED
 from mcpn.report.pages.live import live_data
 from mcpn.report.pages.preflight import preflight
+from mcpn.report.pages.result_tables import tables
 from mcpn.report.pages.story import headline, runs_of, story
-from mcpn.report.pages.tables import tables
 from mcpn.report.pages.token_game import MOST_MARKINGS
 from mcpn.report.pictures.boxes import boxes
 from mcpn.report.pictures.layout import lay_out

@@ -19,7 +19,7 @@ from mcpn.mission.model import Handler, Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot
 from mcpn.mission.xml import read_mission
 from mcpn.report.page import page
-from mcpn.report.pages.tables import tables
+from mcpn.report.pages.result_tables import tables
 from mcpn.robot.runtime import Controller, Journal, Refused
 from tests.commands import mcpn, output
 from tests.conftest import ROOT, ULYSSE

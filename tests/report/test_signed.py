@@ -18,7 +18,7 @@ from mcpn.findings import Findings, findings
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.report.page import page
-from mcpn.report.pages.tables import MOST_BITS, tables
+from mcpn.report.pages.result_tables import MOST_BITS, tables
 from mcpn.report.pictures.objectives import mission_drawing
 from mcpn.testing import missions
 from mcpn.testing.shape import Shape

@@ -20,8 +20,8 @@ from mcpn.mission.xml import read_mission
 from mcpn.report.page import EPOCH, digest_of, identity, page
 from mcpn.report.pages.nominal_run import nominal_run
 from mcpn.report.pages.preflight import preflight
+from mcpn.report.pages.result_tables import fold_rows, tables
 from mcpn.report.pages.story import headline, story, verdict_of_all
-from mcpn.report.pages.tables import fold_rows, tables
 from mcpn.robot.runtime import Controller
 from mcpn.testing import missions
 from tests.commands import mcpn
