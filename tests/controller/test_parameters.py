@@ -12,7 +12,7 @@ from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Parameter, Robot
 from mcpn.robot.runtime import Controller as Runtime
 from mcpn.robot.targets import files
-from mcpn.robot.targets.tables import MachineNumbers
+from mcpn.robot.targets.type_numbers import MachineNumbers
 from tests.controller.test_python import Generated
 
 SAID = st.sets(st.sampled_from("abc")).map(sorted)

@@ -13,7 +13,7 @@ from mcpn.events import START
 from mcpn.robot.targets.c import written
 from mcpn.robot.targets.identifiers import c_string, comment
 from mcpn.robot.targets.render import render
-from mcpn.robot.targets.tables import MachineNumbers, RuleNumbers
+from mcpn.robot.targets.type_numbers import MachineNumbers, RuleNumbers
 
 
 def write_btcpp(document: Mapping[str, Any]) -> dict[str, str]:

@@ -15,7 +15,7 @@ from typing import Any
 from mcpn.robot.runtime.documents import FORMS
 from mcpn.robot.targets.identifiers import C_PREFIX_RESERVED, C_SIGNIFICANT, c_string, comment, identifiers
 from mcpn.robot.targets.render import render, rows
-from mcpn.robot.targets.tables import MachineNumbers, RuleNumbers
+from mcpn.robot.targets.type_numbers import MachineNumbers, RuleNumbers
 
 LONGEST_PREFIX = 20
 LARGEST_TABLE = 32_767

@@ -1,4 +1,4 @@
-"""Tables of machines, and of rules, as numbers.
+"""Types of sections as numbers, for targets with constant tables: machines (states and edges), and rules.
 
 A *guard* is a list of numbers: first 4 i for each handler of the section that must not have happened yet, and
 happens then, and 4 i + 1 for each that must have happened; then 4 i + 2 for what becomes true of facts, which
