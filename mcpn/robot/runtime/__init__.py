@@ -26,6 +26,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from mcpn.robot.runtime.actions import Action, ParameterValue, Refused
     from mcpn.robot.runtime.controller import Controller, Step, Where
     from mcpn.robot.runtime.file_schema import ControllerFileError, DamagedFile
     from mcpn.robot.runtime.hooks import HookError, HookErrors
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     from mcpn.robot.runtime.monitors import Decision, Monitors
     from mcpn.robot.runtime.queue import AsyncController, EventQueue, QueueClosed, QueueFull
     from mcpn.robot.runtime.restoring import SnapshotError
-    from mcpn.robot.runtime.tables import Action, ParameterValue, Refused
     from mcpn.robot.runtime.watchdog import Watchdog
 
 __all__ = [
@@ -61,7 +61,7 @@ __all__ = [
 
 # What writes a controller's file takes its digest from this package, and need not load all of it.
 _HOMES = {
-    "Action": "tables",
+    "Action": "actions",
     "AsyncController": "queue",
     "Controller": "controller",
     "ControllerFileError": "file_schema",
@@ -73,10 +73,10 @@ _HOMES = {
     "Journal": "journal",
     "JournalError": "journal",
     "Monitors": "monitors",
-    "ParameterValue": "tables",
+    "ParameterValue": "actions",
     "QueueClosed": "queue",
     "QueueFull": "queue",
-    "Refused": "tables",
+    "Refused": "actions",
     "SnapshotError": "restoring",
     "Step": "controller",
     "Watchdog": "watchdog",
