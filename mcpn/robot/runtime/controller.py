@@ -11,20 +11,12 @@ from pathlib import Path
 from time import monotonic, perf_counter
 from typing import Any, Protocol
 
+from mcpn.robot.runtime.actions import Action, Refused, spelled
+from mcpn.robot.runtime.controller_tables import Inside, RuntimePosition, Tables, TableSection, read
 from mcpn.robot.runtime.documents import BEFORE, RUNNING
 from mcpn.robot.runtime.file_schema import ControllerFileError
 from mcpn.robot.runtime.hooks import Hook, HookError, Hooks
 from mcpn.robot.runtime.restoring import Saved, actions_to, read_snapshot
-from mcpn.robot.runtime.tables import (
-    Action,
-    Inside,
-    Refused,
-    RuntimePosition,
-    Tables,
-    TableSection,
-    read,
-    spelled,
-)
 
 EARLY = 1e-6
 """Seconds before its end from which a timer is over: sums of seconds are not exact."""

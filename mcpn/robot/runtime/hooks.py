@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from mcpn.robot.runtime.tables import Action
+from mcpn.robot.runtime.actions import Action
 
 Hook = Callable[[Action], object]
 """Called with an action; :class:`mcpn.robot.runtime.AsyncController` awaits what it returns, if it can be."""

@@ -40,7 +40,7 @@ class MachineProtocol(Protocol):
         """The events that can be taken."""
 
     def shown(self, state: int) -> Mapping[str, Any]:
-        """What a state is: fields of :class:`mcpn.robot.runtime.tables.Inside`, and ``out_of_service``."""
+        """What a state is: fields of :class:`Inside`, and ``out_of_service``."""
 
     def whole(self, state: int, gone: Set[int], true: Set[int]) -> bool:
         """Whether a number may be a state, with some hardware out of service."""

@@ -6,8 +6,9 @@ import logging
 import sys
 from collections.abc import Sequence
 
+from mcpn.robot.runtime.actions import Action, Refused
 from mcpn.robot.runtime.controller import Controller
-from mcpn.robot.runtime.tables import Action, Refused, Tables
+from mcpn.robot.runtime.controller_tables import Tables
 
 
 def run(tables: Tables, arguments: Sequence[str] = ()) -> None:

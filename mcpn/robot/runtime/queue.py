@@ -8,9 +8,9 @@ from collections import deque
 from collections.abc import AsyncIterator, Callable
 from typing import Literal
 
+from mcpn.robot.runtime.actions import Action, Refused
 from mcpn.robot.runtime.controller import Controller
 from mcpn.robot.runtime.hooks import HookErrors, OnError, settle
-from mcpn.robot.runtime.tables import Action, Refused
 
 
 class QueueFull(Exception):

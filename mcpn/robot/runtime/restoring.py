@@ -6,9 +6,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from mcpn.robot.runtime.actions import Action
+from mcpn.robot.runtime.controller_tables import Inside, Laws, Tables, TableSection
 from mcpn.robot.runtime.documents import RUNNING, SAVED, SNAPSHOT, SNAPSHOT_VERSION
 from mcpn.robot.runtime.file_schema import DamagedFile, fits, parsed, signed_line
-from mcpn.robot.runtime.tables import Action, Inside, Laws, Tables, TableSection
 
 snapshot_text = signed_line
 """The text of a snapshot, from what it says."""

@@ -17,7 +17,8 @@ from functools import cache
 from typing import Any, Generic, TypeAlias, TypeVar
 
 from mcpn.events import START, Event, What
-from mcpn.robot.runtime.tables import Laws, ParameterValue
+from mcpn.robot.runtime.actions import ParameterValue
+from mcpn.robot.runtime.controller_tables import Laws
 
 VERBS = ("stop", "release", "select", "start", "disarm", "arm")
 """By number."""

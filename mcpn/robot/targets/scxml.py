@@ -31,8 +31,8 @@ from typing import Any, TypeAlias
 from lxml import etree
 
 from mcpn.events import START, Event, What
+from mcpn.robot.runtime.controller_tables import Laws
 from mcpn.robot.runtime.documents import ENDS
-from mcpn.robot.runtime.tables import Laws
 from mcpn.robot.targets.identifiers import comment, identifiers
 
 NAMESPACE = "http://www.w3.org/2005/07/scxml"
