@@ -13,9 +13,10 @@ from typing import NamedTuple, TypeAlias
 
 from mcpn.events import Event, What
 from mcpn.robot.bench.chances import Chances
+from mcpn.robot.runtime.actions import Action
 from mcpn.robot.runtime.controller import Controller
+from mcpn.robot.runtime.controller_tables import Inside, Tables, TableSection
 from mcpn.robot.runtime.restoring import Saved
-from mcpn.robot.runtime.tables import Action, Inside, Tables, TableSection
 
 
 class StartDemand(NamedTuple):

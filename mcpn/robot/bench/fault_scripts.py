@@ -9,7 +9,7 @@ from pathlib import Path
 from mcpn.did_you_mean import did_you_mean
 from mcpn.errors import InputError, Source
 from mcpn.files import read_bounded
-from mcpn.robot.runtime.tables import spelled
+from mcpn.robot.runtime.actions import spelled
 
 
 def read_script(path: Path, known: Collection[str]) -> list[tuple[float, str]]:

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 from mcpn.errors import LimitError
 from mcpn.robot.bench.controller_places import ControllerPlace, Places
-from mcpn.robot.runtime.tables import Action
+from mcpn.robot.runtime.actions import Action
 from mcpn.robot.targets import files
 
 

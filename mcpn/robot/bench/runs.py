@@ -15,8 +15,8 @@ from mcpn.robot.bench.controller_places import ControllerPlace, StartDemand
 from mcpn.robot.bench.nominal_run import nominal_run
 from mcpn.robot.bench.world import BenchNode, World
 from mcpn.robot.runtime.controller import timeout_event, timer_order
+from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.robot.runtime.machines import TypeTables
-from mcpn.robot.runtime.tables import Tables
 
 MOST_EVENTS = 10_000
 """Of one run: a mission may go on for ever."""

@@ -11,7 +11,7 @@ from lxml import etree
 
 from mcpn.errors import LimitError
 from mcpn.robot.bench.controller_places import ControllerPlace
-from mcpn.robot.runtime.tables import Action
+from mcpn.robot.runtime.actions import Action
 from mcpn.robot.targets import files
 from mcpn.robot.targets.scxml import Regions, event_name
 

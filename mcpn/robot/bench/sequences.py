@@ -9,8 +9,9 @@ from functools import cache
 from math import inf
 
 from mcpn.errors import LimitError
+from mcpn.robot.runtime.actions import Action
+from mcpn.robot.runtime.controller_tables import RuntimePosition, Tables
 from mcpn.robot.runtime.documents import BEFORE, RUNNING
-from mcpn.robot.runtime.tables import Action, RuntimePosition, Tables
 
 MOST_PLACES = 200_000
 """Places that may be looked at: with much hardware there are very many."""

@@ -18,7 +18,8 @@ from itertools import accumulate
 from mcpn.events import Event, What
 from mcpn.robot.bench.chances import Chances
 from mcpn.robot.bench.controller_places import ControllerPlace, Demands, Places
-from mcpn.robot.runtime.tables import Action, Inside, Tables, TableSection
+from mcpn.robot.runtime.actions import Action
+from mcpn.robot.runtime.controller_tables import Inside, Tables, TableSection
 
 UNTIMED = 1.0
 """Mean hours of an objective of which nobody says how long it takes."""
