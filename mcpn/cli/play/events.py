@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from mcpn.errors import InputError, LimitError, Source
 from mcpn.events import Event, What
-from mcpn.robot.runtime.tables import spelled
+from mcpn.robot.runtime.actions import spelled
 
 if TYPE_CHECKING:
     from mcpn.controller.simulator import Change, Simulation

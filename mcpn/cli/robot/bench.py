@@ -72,7 +72,7 @@ def bench(
     from mcpn.robot.bench.runs import bench as played
     from mcpn.robot.bench.runs import nominal_run_of, one_run_of
     from mcpn.robot.bench.world import World
-    from mcpn.robot.runtime.tables import Tables
+    from mcpn.robot.runtime.controller_tables import Tables
 
     study = question.study(mission)
     mission_net = study.mission_net

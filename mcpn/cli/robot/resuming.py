@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from mcpn.robot.drivers.topics import StopMessage
     from mcpn.robot.drivers.warden import ProcessGroup
     from mcpn.robot.runtime.controller import Controller
+    from mcpn.robot.runtime.controller_tables import Tables
     from mcpn.robot.runtime.monitors import Monitors
-    from mcpn.robot.runtime.tables import Tables
 
 
 LONGEST = 600.0
@@ -217,8 +217,8 @@ def _taken(controller: Controller, monitors: Monitors | None, path: Path) -> int
     Returns:
         The number of the first event; ``None`` if there is none.
     """
+    from mcpn.robot.runtime.actions import Refused
     from mcpn.robot.runtime.journal import JournalError, read_journal
-    from mcpn.robot.runtime.tables import Refused
 
     if not path.exists():
         return None

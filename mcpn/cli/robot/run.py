@@ -23,9 +23,9 @@ from mcpn.errors import InputError, Source
 if TYPE_CHECKING:
     from mcpn.editor.robot_page import RobotPage
     from mcpn.robot.drivers.running import RobotRun
+    from mcpn.robot.runtime.actions import Action
     from mcpn.robot.runtime.controller import Controller
     from mcpn.robot.runtime.monitors import Monitors
-    from mcpn.robot.runtime.tables import Action
     from mcpn.study import Study
 from mcpn.cli.robot.shown_lines import EventLines, WarningLines
 from mcpn.cli.robot.signals import caught
@@ -82,7 +82,7 @@ def run(
     from mcpn.robot.drivers.mapping import check_plan
     from mcpn.robot.drivers.reading import read_drivers
     from mcpn.robot.runtime.controller import Controller
-    from mcpn.robot.runtime.tables import Tables
+    from mcpn.robot.runtime.controller_tables import Tables
 
     if paged and resume is not None:
         raise click.UsageError("--page shows a run from its start: it cannot be given with --resume")
@@ -174,7 +174,7 @@ def _begin(study: Study, drivers: Path, question: Question) -> None:
     from mcpn.controller.document import document
     from mcpn.files import write_atomically
     from mcpn.robot.drivers.skeleton import skeleton
-    from mcpn.robot.runtime.tables import Tables
+    from mcpn.robot.runtime.controller_tables import Tables
 
     if drivers.exists():
         raise InputError.at(Source(str(drivers)), "exists already, and is not overwritten")

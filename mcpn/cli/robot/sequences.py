@@ -60,7 +60,7 @@ def tests(
     from mcpn.controller.document import document
     from mcpn.files import write_folder
     from mcpn.robot.bench.sequences import files, sequences
-    from mcpn.robot.runtime.tables import Tables
+    from mcpn.robot.runtime.controller_tables import Tables
     from mcpn.robot.targets.json import FILE_NAME, write_json
 
     study = question.study(mission)

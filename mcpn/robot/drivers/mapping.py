@@ -15,7 +15,8 @@ from mcpn.errors import InputError, Problem, Source
 from mcpn.events import Event, What
 from mcpn.robot.drivers.functions import function_of
 from mcpn.robot.drivers.processes import program_of
-from mcpn.robot.runtime.tables import START, Tables, spelled
+from mcpn.robot.runtime.actions import START, spelled
+from mcpn.robot.runtime.controller_tables import Tables
 
 Kind = Literal["process", "python", "mqtt", "zenoh", "nothing"]
 KINDS: tuple[Kind, ...] = ("process", "python", "mqtt", "zenoh", "nothing")

@@ -16,8 +16,9 @@ from mcpn.robot.drivers.processes import Warden
 from mcpn.robot.drivers.starts import Started
 from mcpn.robot.drivers.topics import StopMessage, buses_of, tell_to_stop
 from mcpn.robot.drivers.turns import Turns
+from mcpn.robot.runtime.actions import START, Action, Refused
 from mcpn.robot.runtime.controller import Controller
-from mcpn.robot.runtime.tables import START, Action, Refused, Tables
+from mcpn.robot.runtime.controller_tables import Tables
 
 _log = logging.getLogger("mcpn.robot.drivers")
 

@@ -7,7 +7,8 @@ import re
 from collections.abc import Iterator, Mapping
 
 from mcpn.robot.drivers.mapping import FAILURE, OTHER, SUCCESS, endings
-from mcpn.robot.runtime.tables import START, Tables
+from mcpn.robot.runtime.actions import START
+from mcpn.robot.runtime.controller_tables import Tables
 
 HEAD = """# What each activity of {mission} is, and where each event comes from: see docs/drivers.md.
 # Write the programs, or name what there is (python = "module:function", mqtt = {{ ... }}); then
