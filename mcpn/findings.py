@@ -19,7 +19,7 @@ from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.errors import LimitError, McpnError, SemanticsError
 from mcpn.mission.static.intervals import at_their_means
-from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.spaces.engine_names import LOCAL
 from mcpn.steps import Doing, step
 

@@ -16,7 +16,7 @@ from mcpn.mission.model import Mission
 from mcpn.mission.requirement import Requirement, formulas_of
 from mcpn.mission.xml import InvalidMission, in_place
 from mcpn.nets.petri import NetBuilder
-from mcpn.robot.runtime.tables import spelled
+from mcpn.robot.runtime.actions import spelled
 from mcpn.spaces.formula_names import ENDINGS, Names, unknown
 from mcpn.spaces.search.goal import Formula, marked
 

@@ -126,7 +126,7 @@ class MissionNames(Names):
     def _events(self, name: str) -> set[Event]:
         """The events that a name says: one, or that of all copies of an objective or a block."""
         known = self.net.events
-        from mcpn.robot.runtime.tables import spelled  # which a check without formulas does not load
+        from mcpn.robot.runtime.actions import spelled  # which a check without formulas does not load
 
         declared, said = Event(What.DECLARED, spelled(name, self.declared)), Event.parse(name)
         if declared in known or declared.element in self.declared:

@@ -15,7 +15,7 @@ from mcpn.spaces.run import Run
 if TYPE_CHECKING:
     from mcpn.answers.verdicts.mission import MissionCheck
     from mcpn.drawing.compose import MissionNet
-    from mcpn.robot.runtime.tables import Inside
+    from mcpn.robot.runtime.controller_tables import Inside
 
 
 def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event | str, str]]:

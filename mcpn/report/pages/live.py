@@ -10,7 +10,7 @@ from mcpn.controller.likelihood import likelihood
 from mcpn.events import Event
 from mcpn.report.pages.token_game import position, stored
 from mcpn.report.words import folded, what_happens
-from mcpn.robot.runtime.tables import START
+from mcpn.robot.runtime.actions import START
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.find import Causes

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from mcpn.robot.runtime import Controller
-from mcpn.robot.runtime.tables import START
+from mcpn.robot.runtime.actions import START
 
 if TYPE_CHECKING:
     from mcpn.findings import Findings

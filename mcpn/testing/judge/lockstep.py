@@ -14,7 +14,7 @@ from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.drawing.compose import MissionNet
 from mcpn.events import Event
 from mcpn.mission.model import Mission
-from mcpn.robot.runtime.tables import Inside
+from mcpn.robot.runtime.controller_tables import Inside
 from mcpn.spaces.markings.graph import StateGraph
 from mcpn.testing.judge.interpreter import Happening, Interpreter, Seen, State, Undetermined, words
 

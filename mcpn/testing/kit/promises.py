@@ -8,7 +8,7 @@ from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.templates.net_names import names_of
 from mcpn.report.words import situation_in_words
-from mcpn.robot.runtime.tables import Inside
+from mcpn.robot.runtime.controller_tables import Inside
 from mcpn.spaces.markings.graph import Ints
 from mcpn.testing.kit.contract import states_of
 from mcpn.testing.kit.subject import Subject
