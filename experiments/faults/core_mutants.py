@@ -41,8 +41,9 @@ from mcpn.controller.generate import Form
 from mcpn.errors import McpnError
 from mcpn.events import Event
 from mcpn.mission.xml import read_mission
+from mcpn.robot.runtime.actions import Action
+from mcpn.robot.runtime.controller_tables import RuntimePosition, Tables
 from mcpn.robot.runtime.file_schema import ControllerFileError, digest_of
-from mcpn.robot.runtime.tables import Action, RuntimePosition, Tables
 from mcpn.study import Study
 
 Document = dict[str, Any]

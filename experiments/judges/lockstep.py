@@ -48,7 +48,7 @@ from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.events import Event
 from mcpn.mission.xml import read_mission
-from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.robot.targets import files
 from mcpn.robot.targets.identifiers import identifiers
 from mcpn.robot.targets.scxml import event_name

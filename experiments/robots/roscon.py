@@ -37,8 +37,8 @@ from mcpn.robot.drivers.mapping import check_plan
 from mcpn.robot.drivers.reading import read_drivers
 from mcpn.robot.drivers.running import RobotRun
 from mcpn.robot.runtime.controller import Controller
+from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.robot.runtime.monitors import Monitors
-from mcpn.robot.runtime.tables import Tables
 from mcpn.study import Study, open_study
 
 HERE = Path(__file__).parents[1] / "roscon"

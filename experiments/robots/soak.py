@@ -41,10 +41,10 @@ from mcpn.robot.drivers.reading import read_drivers
 from mcpn.robot.drivers.running import RobotRun
 from mcpn.robot.runtime import Controller, Journal, Monitors
 from mcpn.robot.runtime.controller import Step
+from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.robot.runtime.journal import read_journal
 from mcpn.robot.runtime.monitors import watch
 from mcpn.robot.runtime.restoring import Saved, read_snapshot
-from mcpn.robot.runtime.tables import Tables
 from mcpn.study import open_study
 
 MISSION = """<mission name="soak" xmlns="urn:mcpn:mission:1">

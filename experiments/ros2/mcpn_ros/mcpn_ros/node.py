@@ -27,8 +27,8 @@ from mcpn.robot.drivers.mapping import check_plan
 from mcpn.robot.drivers.reading import read_drivers
 from mcpn.robot.drivers.running import RobotRun
 from mcpn.robot.runtime import Controller
+from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.robot.runtime.journal import step_object
-from mcpn.robot.runtime.tables import Tables
 from mcpn.study import open_study
 from mcpn_ros import bridge
 
