@@ -21,7 +21,7 @@ from mcpn.mission.xml import read_mission
 from mcpn.robot.bench.runs import bench, interval, one_run
 from mcpn.robot.bench.world import World
 from mcpn.robot.runtime import Controller
-from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions

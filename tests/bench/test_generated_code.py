@@ -20,7 +20,7 @@ from mcpn.mission.model import Mission
 from mcpn.robot.bench.controller_places import ControllerPlace, Places
 from mcpn.robot.bench.generated_code import Program, compare
 from mcpn.robot.bench.scxml_replay import Statechart
-from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.testing import missions
 from tests.commands import mcpn
 from tests.draws import fewer

@@ -13,7 +13,7 @@ from mcpn.robot.bench.controller_places import Places
 from mcpn.robot.bench.runs import edge_of
 from mcpn.robot.bench.sequences import sequences
 from mcpn.robot.runtime import Controller
-from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.testing import missions
 from tests.draws import fewer
 

@@ -12,8 +12,8 @@ from mcpn.controller.generate import generate
 from mcpn.drawing.compose import MissionNet
 from mcpn.robot.bench.sequences import sequences
 from mcpn.robot.runtime import Controller
+from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.robot.runtime.machines import TypeTables
-from mcpn.robot.runtime.tables import Tables
 from mcpn.robot.targets import files
 from tests.commands import mcpn
 from tests.conftest import ROOT, ULYSSE

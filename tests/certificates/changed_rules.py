@@ -7,8 +7,8 @@ import random
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
+from mcpn.robot.runtime.controller_tables import RuntimePosition, Tables
 from mcpn.robot.runtime.documents import BEFORE
-from mcpn.robot.runtime.tables import RuntimePosition, Tables
 from tests.runtime.damage import signed
 
 Document = dict[str, Any]

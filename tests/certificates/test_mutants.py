@@ -14,7 +14,7 @@ import pytest
 
 from experiments.faults import both_checkers, core_mutants, further_mutants
 from mcpn.certificates import certcheck, corecheck, ctlcheck, diagcheck
-from mcpn.robot.runtime.tables import Action
+from mcpn.robot.runtime.actions import Action
 from tests.conftest import ROOT
 
 

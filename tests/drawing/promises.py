@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mcpn.answers.verdicts.modes import Situation
 from mcpn.drawing.compose import MissionNet
-from mcpn.robot.runtime.tables import Inside
+from mcpn.robot.runtime.controller_tables import Inside
 from mcpn.spaces.markings.graph import StateGraph
 from mcpn.testing.kit import promises
 from mcpn.testing.kit.subject import Subject
