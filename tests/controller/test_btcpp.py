@@ -17,7 +17,7 @@ from mcpn.controller.generate import Form, generate
 from mcpn.controller.monitors.writing import files as monitor_files
 from mcpn.controller.monitors.writing import monitors_of
 from mcpn.drawing.compose import MissionNet
-from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.robot.targets import files
 from mcpn.study import open_study
 from tests.controller.small import WATCH, composed

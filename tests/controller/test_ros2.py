@@ -19,7 +19,7 @@ from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
 from mcpn.drawing.compose import MissionNet
 from mcpn.files import write_folder
-from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.robot.targets import files
 from tests.controller.small import WATCH, composed
 from tests.controller.traces import canonical

@@ -32,8 +32,8 @@ from mcpn.robot.runtime import (
     Refused,
     SnapshotError,
 )
+from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.robot.runtime.restoring import snapshot_text
-from mcpn.robot.runtime.tables import Tables
 from mcpn.robot.targets.json import write_json
 from tests.conftest import ULYSSE
 

@@ -22,7 +22,7 @@ from mcpn.events import Event
 from mcpn.mission.xml import read_mission
 from mcpn.robot.runtime import Controller as Runtime
 from mcpn.robot.runtime import Refused
-from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.runtime.controller_tables import Tables
 from tests.conftest import ULYSSE
 from tests.controller.oracle import NetRobot
 from tests.controller.test_exits import WATCH

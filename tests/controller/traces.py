@@ -8,7 +8,7 @@ from collections import deque
 from typing import Any
 
 from mcpn.robot.runtime import Action, Controller, Refused
-from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.runtime.controller_tables import Tables
 
 logging.getLogger("mcpn.robot.runtime").setLevel(logging.ERROR)
 

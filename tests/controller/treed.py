@@ -9,7 +9,7 @@ from mcpn.controller.generate import Form
 from mcpn.mission.model import Mission
 from mcpn.mission.passes import core
 from mcpn.robot.runtime import Action, Controller, Refused
-from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.runtime.controller_tables import Tables
 from tests.controller.traces import canonical
 
 START = "MISSION_EV_START"
