@@ -18,11 +18,11 @@ from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
 from mcpn.mission.xml import read_mission
 from mcpn.robot.runtime import Controller, DamagedFile, Journal, Monitors
+from mcpn.robot.runtime.controller_tables import read
 from mcpn.robot.runtime.file_schema import parsed, signed_line
 from mcpn.robot.runtime.journal import read_journal
 from mcpn.robot.runtime.monitors import watch
 from mcpn.robot.runtime.restoring import read_snapshot
-from mcpn.robot.runtime.tables import read
 from mcpn.robot.targets.json import write_json
 from mcpn.study import open_study
 from tests.drivers.test_records import LOOP, ONCE

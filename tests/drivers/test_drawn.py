@@ -16,8 +16,9 @@ from mcpn.events import Event
 from mcpn.mission.model import Mission
 from mcpn.robot.drivers.mapping import OTHER, DriverSpec, Plan, check_plan
 from mcpn.robot.drivers.running import RobotRun
+from mcpn.robot.runtime.actions import START
 from mcpn.robot.runtime.controller import Controller
-from mcpn.robot.runtime.tables import START, Tables
+from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.testing import missions
 from tests.draws import composed
 from tests.drivers import fake

@@ -12,7 +12,7 @@ from mcpn.robot.drivers.mapping import Plan
 from mcpn.robot.drivers.running import RobotRun, Waiting
 from mcpn.robot.drivers.starts import Started
 from mcpn.robot.runtime.controller import Controller
-from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.runtime.controller_tables import Tables
 
 X, Y, ROOM = "OBJ_x_EV_OK", "OBJ_y_EV_OK", "room"
 

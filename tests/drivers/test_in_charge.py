@@ -25,7 +25,7 @@ from mcpn.robot.drivers.inbox import LONGEST, Splitter
 from mcpn.robot.drivers.running import RobotRun
 from mcpn.robot.drivers.warden import ProcessGroup
 from mcpn.robot.runtime.controller import Controller
-from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.runtime.controller_tables import Tables
 from tests.drivers.robots import alive, numbers, until
 from tests.drivers.runs import Runs
 

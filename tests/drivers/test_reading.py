@@ -18,7 +18,7 @@ from mcpn.robot.drivers.known import KNOWN, OF_DRIVERS, OPTIONS
 from mcpn.robot.drivers.mapping import check_plan
 from mcpn.robot.drivers.reading import lines_of, read_drivers
 from mcpn.robot.drivers.skeleton import skeleton
-from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.testing import missions
 from tests.commands import mcpn
 from tests.draws import composed

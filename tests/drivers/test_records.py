@@ -20,8 +20,8 @@ from mcpn.controller.generate import generate
 from mcpn.drawing.compose import compose
 from mcpn.mission.xml import read_mission
 from mcpn.robot.runtime import Controller
+from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.robot.runtime.journal import read_journal
-from mcpn.robot.runtime.tables import Tables
 from tests.commands import mcpn, output
 from tests.conftest import interruptible
 from tests.drivers.robots import numbers, until

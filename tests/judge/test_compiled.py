@@ -21,7 +21,7 @@ from mcpn.controller.generate import Form, generate
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
-from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.robot.targets import files
 from mcpn.testing.elements import WIDEST
 from mcpn.testing.judge.interpreter import Happening, Interpreter, Undetermined
