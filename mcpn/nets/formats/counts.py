@@ -1,4 +1,4 @@
-"""Numbers of tokens in files: exact, and bounded because files are untrusted."""
+"""Numbers in files of nets: of tokens, exact and bounded because files are untrusted, and ranks."""
 
 from __future__ import annotations
 
@@ -17,6 +17,17 @@ def read_count(text: str) -> int | None:
     (12, None, None)
     """
     return int(text) if text.isascii() and text.isdigit() and len(text) <= MAX_DIGITS else None
+
+
+def rank_without_use(event: object | None, *, priorities: bool) -> str:
+    """Why a rank that a file gives a transition says nothing; empty where it says something.
+
+    >>> rank_without_use(None, priorities=True)
+    ''
+    """
+    if event is not None:
+        return "expected none: events come after all ranks"
+    return "" if priorities else "expected none: the net has no priorities"
 
 
 def check_counts(net: PetriNet, digits: int = MAX_DIGITS) -> None:

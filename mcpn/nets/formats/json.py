@@ -17,7 +17,7 @@ from typing import Any
 
 from mcpn.errors import InputError, Source
 from mcpn.events import Event
-from mcpn.nets.formats.counts import check_counts
+from mcpn.nets.formats.counts import check_counts, rank_without_use
 from mcpn.nets.petri import EVENTS, Arcs, NetBuilder, PetriNet
 from mcpn.nets.provenance import Provenance
 from mcpn.robot.runtime.shapes import (
@@ -285,6 +285,8 @@ def _net(document: Any) -> PetriNet:
         named.add(name)
         _one(event != "", f"{at}.event", event, "a name, or null")
         _one(rank < EVENTS, f"{at}.rank", rank, f"less than {EVENTS}")
+        why = rank_without_use(event, priorities=builder.priorities) if rank else ""
+        _one(not why, f"{at}.rank", rank, why.removeprefix("expected "))
         for side in _SIDES:
             for place in t[side].keys() - known:
                 _one(False, f"{at}.{side}", place, "the name of a place")

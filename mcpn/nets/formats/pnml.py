@@ -14,16 +14,15 @@ Reference: the 2009 grammar, http://www.pnml.org/version-2009/grammar/ptnet.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple, NoReturn
 
 from lxml import etree
 
-from mcpn.declared import Declared, ElementRule, ElementTable, name_of, refuse, text_of
+from mcpn.declared import Declared, ElementRule, ElementTable, name_of, refuse
 from mcpn.errors import InputError, Source
 from mcpn.events import Event
-from mcpn.nets.formats.counts import MAX_DIGITS, read_count
+from mcpn.nets.formats.counts import MAX_DIGITS, rank_without_use, read_count
 from mcpn.nets.inhibitors import Inhibitor, without_inhibitors
 from mcpn.nets.petri import EVENTS, NetBuilder, PetriNet
 from mcpn.sentences import quoted
@@ -104,9 +103,17 @@ KINDS = {
 
 REMARKS = {
     "toolspecific": Declared("tool version=1", "name event rank read priorities"),
-    **dict.fromkeys(("name", "event", "rank", "read", "priorities"), Declared("value")),
+    **dict.fromkeys(("name", "event", "rank", "read"), Declared("value")),
+    "priorities": Declared("value=internal_>_event"),
 }
-"""What ``toolspecific`` of ``mcpn`` may hold; the first remark of a name counts."""
+"""What ``toolspecific`` of ``mcpn`` may hold."""
+REMARKED = {
+    "net": ("name", "priorities"),
+    "place": ("name",),
+    "transition": ("name", "event", "rank"),
+    "arc": ("read",),
+}
+"""By element the remarks that may stand in it, each once."""
 _REMARKS = ElementTable(REMARKS, "toolspecific")
 _TABLE = ElementTable(KNOWN, "pnml")
 _Inside = list[tuple[str, etree._Element]]
@@ -157,8 +164,9 @@ class _PnmlReader:
         self.references: dict[str, _Reference] = {}
         self.arcs: list[_Arc] = []
         self.ids: set[str] = set()
-        self.units: list[list[str]] = []
-        self.priorities = False
+        self.units: list[tuple[int | None, list[str]]] = []
+        self.remarks: dict[str, str] = {}
+        """Those of the net."""
 
     def fail(self, line: int | None, message: str) -> NoReturn:
         raise InputError.at(Source(self.file, line), message)
@@ -213,13 +221,10 @@ class _PnmlReader:
         if tag in ("place", "transition", "arc", "referencePlace", "referenceTransition"):
             self.node(element, tag)
         elif tag == "toolspecific" and element.get("tool") == "nupn":
-            texts = (unit.text or "" for unit in element.iter() if name_of(unit) == "places")
-            self.units.extend(text.split() for text in texts if text.strip())
+            units = ((unit, (unit.text or "").split()) for unit in element.iter("{*}places"))
+            self.units.extend((line_of(unit), places) for unit, places in units if places)
         elif tag == "toolspecific":
-            remarks = self.remarks([element])
-            self.priorities |= "priorities" in remarks
-            if of_net:
-                self.net = remarks.get("name", self.net)
+            self.remark(element, "net" if of_net else "page", self.remarks)
 
     def node(self, element: etree._Element, tag: str) -> None:
         key, line = element.get("id"), line_of(element)
@@ -229,7 +234,10 @@ class _PnmlReader:
             self.fail(line, f"found a second element of the id {key}, expected ids that differ")
         self.ids.add(key)
         inside = [(name_of(child), child) for child in element]
-        remarks = self.remarks(child for name, child in inside if name == "toolspecific")
+        remarks: dict[str, str] = {}
+        for name, child in inside:
+            if name == "toolspecific":
+                self.remark(child, tag, remarks)
         said = self.said(element, inside, "name")
         name = remarks.get("name", key)
         label = None if said == name else said or None
@@ -248,26 +256,45 @@ class _PnmlReader:
         self, element: etree._Element, inside: _Inside, key: str, said: str | None, *, half: bool
     ) -> _Arc:
         line = line_of(element)
-        weight = self.number(element, inside, "weight", 1)
+        weight = attribute = self.number(element, inside, "weight", 1)
         if any(name == "inscription" for name, _ in inside):  # TAPAAL's attribute is an interval of time
-            weight = self.number(element, inside, "inscription", weight)
+            weight = self.number(element, inside, "inscription", 1)
+            if "weight" in element.attrib and weight != attribute:
+                said_twice = f"found weight {attribute} and inscription {weight} of arc {key}"
+                self.fail(line, f"{said_twice}, expected one number")
         if weight == 0:
             self.fail(line, f"found weight 0 of arc {key}, expected 1 or more")
         if said and read_count(said) not in (None, weight):  # tools have written the weight as the name
             self.fail(
                 line, f"found the name {said} of arc {key} and its weight {weight}, expected one number"
             )
-        kinds = [child for name, child in inside if name in ("type", "arctype")]
-        found = [element.get("type"), *(child.get("value", text_of(child)) for child in kinds)]
-        kind = "normal"
+        return _Arc(
+            key,
+            element.get("source", ""),
+            element.get("target", ""),
+            weight,
+            self.kind(element, inside, key, half=half),
+            half,
+            line,
+        )
+
+    def kind(self, element: etree._Element, inside: _Inside, key: str, *, half: bool) -> str:
+        """How an arc is read, by all places that may say its type."""
+        attribute, line = element.get("type"), line_of(element)
+        found = [] if attribute is None else [attribute]
+        for child in (child for name, child in inside if name in ("type", "arctype")):
+            texts = [part.text or "" for part in child if name_of(part) in ("text", "value")]
+            value = child.get("value")
+            found += [*([] if value is None else [value]), *texts] or [""]
         for one in found:
-            if one is None:
-                continue
             if one.strip().lower() not in KINDS:
                 self.fail(line, f"found arc {key} of type {quoted(one, 40)}, expected {', '.join(KINDS)}")
-            if KINDS[one.strip().lower()] != "normal":
-                kind = KINDS[one.strip().lower()]
-        return _Arc(key, element.get("source", ""), element.get("target", ""), weight, kind, half, line)
+        kinds = {KINDS[one.strip().lower()]: quoted(one, 40) for one in found}
+        if half:
+            kinds.setdefault("normal", "a remark of mcpn")
+        if len(kinds) > 1:
+            self.fail(line, f"found arc {key} of types {' and '.join(kinds.values())}, expected one")
+        return next(iter(kinds), "normal")
 
     def said(self, element: etree._Element, inside: _Inside, tag: str) -> str | None:
         """What an element says by a label or by an attribute; ``None`` where it says nothing."""
@@ -295,20 +322,23 @@ class _PnmlReader:
             refuse(self.file, label, said)
         return number
 
-    def remarks(self, elements: Iterable[etree._Element]) -> dict[str, str]:
-        """The remarks of ``mcpn`` in some elements: the first value of each."""
-        said: dict[str, str] = {}
-        for child in elements:
-            if name_of(child) == "toolspecific" and child.get("tool") == "mcpn":
-                _REMARKS.check(self.file, child)
-                for remark in child:
-                    said.setdefault(name_of(remark), remark.get("value", ""))
-        return said
+    def remark(self, element: etree._Element, tag: str, said: dict[str, str]) -> None:
+        """Adds what a remark of ``mcpn`` says of the element around it, whose name is ``tag``."""
+        if element.get("tool") != "mcpn":
+            return
+        _REMARKS.check(self.file, element)
+        for remark in element:
+            name = name_of(remark)
+            if name not in REMARKED.get(tag, ()):
+                refuse(self.file, remark, f"found <{name}> of mcpn in <{tag}>, where it says nothing")
+            if name in said:
+                refuse(self.file, remark, f"found a second <{name}> of mcpn, expected one")
+            said[name] = remark.get("value", "")
 
     def joined(self, net: str) -> PetriNet:
         ends = {key: key for key in (*self.places, *self.transitions)}
         self.follow_references(ends)
-        builder = NetBuilder(net, priorities=self.priorities)
+        builder = NetBuilder(self.remarks.get("name", net), priorities="priorities" in self.remarks)
         for place in self.places.values():
             if builder.has_place(place.name):
                 self.fail(place.line, f"found a second place named {place.name}, expected names that differ")
@@ -326,10 +356,15 @@ class _PnmlReader:
             rank = read_count(said or "0")
             if rank is None or rank >= EVENTS:
                 self.fail(line, f"found {said!r} as rank of transition {name}, expected 0 to {EVENTS - 1}")
+            if rank and (why := rank_without_use(event, priorities=builder.priorities)):
+                self.fail(line, f"found {said!r} as rank of transition {name}, {why}")
             builder.transition(name, consume=consume, produce=produce, read=read, event=typed, rank=rank)
             builder.label(name, label)
-        for unit in self.units:
-            builder.unit(self.places[key].name for key in unit if key in self.places)
+        for line, unit in self.units:
+            for key in unit:
+                if key not in self.places:
+                    self.fail(line, f"found {quoted(key, 40)} in a unit, expected the id of a place")
+            builder.unit(self.places[key].name for key in unit)
         return without_inhibitors(builder.build(), inhibitors)
 
     def follow_references(self, ends: dict[str, str]) -> None:

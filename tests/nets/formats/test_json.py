@@ -125,6 +125,16 @@ BROKEN = {
     "n.json:2: not JSON: found the key 'b' twice in an object, expected": b'{"a":\n{"b": 1, "b": 2}}',
     'transitions[0].event: found "", expected a name': broken("transitions", 0, "event", value=""),
     "transitions[0].rank: found -1, expected an integer from 0": broken("transitions", 0, "rank", value=-1),
+    "transitions[0].rank: found 1, expected none: events come after all ranks": broken(
+        "transitions", 0, "rank", value=1
+    ),
+    "transitions[0].rank: found 2, expected none: the net has no priorities": json.dumps(
+        {
+            **json.loads(write_json(small())),
+            "priorities": False,
+            "transitions": [{**json.loads(write_json(small()))["transitions"][0], "event": None, "rank": 2}],
+        }
+    ).encode(),
     "version: found true, expected 1": broken("version", value=True),
     "n.json:2: not JSON: column 6: found '}', expected a value": b'{\n"a": }',
     "not JSON: column 10: found 'oops', expected the end of the file": b'{"a": 1} oops',

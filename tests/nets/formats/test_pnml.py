@@ -85,6 +85,10 @@ def body(inside: str) -> str:
     return f'<pnml xmlns="{NAMESPACE}">\n<net id="n" type="{KIND}">\n{inside}\n</net></pnml>'
 
 
+def remark(name: str, value: str) -> str:
+    return f'<toolspecific tool="mcpn" version="1"><{name} value="{value}"/></toolspecific>'
+
+
 KIND = f"{NAMESPACE[:-4]}ptnet"
 BASE = '<place id="p"/><transition id="t"/>'
 
@@ -246,6 +250,60 @@ BROKEN = {
         "</transition>",
         3,
         "found an event without a name of transition t, expected one",
+    ),
+    "two kinds": (
+        f'{BASE}<arc id="a" source="p" target="t" type="read"><type value="inhibitor"/></arc>',
+        3,
+        "found arc a of types 'read' and 'inhibitor', expected one",
+    ),
+    "two kinds in a type": (
+        f'{BASE}<arc id="a" source="p" target="t"><type value="normal"><text>inhibitor</text></type></arc>',
+        3,
+        "found arc a of types 'normal' and 'inhibitor', expected one",
+    ),
+    "no kind in a type": (f'{BASE}<arc id="a" source="p" target="t"><type/></arc>', 3, "of type ''"),
+    "inhibitor that is remarked to read": (
+        f'{BASE}<arc id="a" source="p" target="t" type="inhibitor"><toolspecific tool="mcpn" version="1">'
+        "<read/></toolspecific></arc>",
+        3,
+        "found arc a of types 'inhibitor' and a remark of mcpn, expected one",
+    ),
+    "two weights": (
+        f'{BASE}<arc id="a" source="p" target="t" weight="2"><inscription><text>3</text></inscription></arc>',
+        3,
+        "found weight 2 and inscription 3 of arc a, expected one number",
+    ),
+    "a remark where it says nothing": (
+        f'<place id="p">{remark("rank", "1")}</place>',
+        3,
+        "found <rank> of mcpn in <place>, where it says nothing",
+    ),
+    "a remark twice": (
+        f'<transition id="t">{remark("event", "a")}{remark("event", "b")}</transition>',
+        3,
+        "found a second <event> of mcpn, expected one",
+    ),
+    "priorities of another kind": (
+        remark("priorities", "event > internal"),
+        3,
+        "found value='event > internal' of <priorities>, expected 'internal > event'",
+    ),
+    "rank without priorities": (
+        f'<transition id="t">{remark("rank", "1")}</transition>',
+        3,
+        "found '1' as rank of transition t, expected none: the net has no priorities",
+    ),
+    "rank of an event": (
+        f'<transition id="t">{remark("event", "a")}{remark("rank", "1")}</transition>'
+        f"{remark('priorities', 'internal > event')}",
+        3,
+        "found '1' as rank of transition t, expected none: events come after all ranks",
+    ),
+    "a unit of no place": (
+        '<toolspecific tool="nupn" version="1.1"><structure><unit id="u"><places>p</places></unit>'
+        "</structure></toolspecific>",
+        3,
+        "found 'p' in a unit, expected the id of a place",
     ),
     "too deep": ("<page id='a'>" * 300, 3, "not well-formed"),
     "entity": ("&lol;", 3, "not well-formed"),
