@@ -45,3 +45,13 @@ def test_what_the_text_grants_and_what_runs_is_said(tmp_path: Path) -> None:
     }
     assert claims["used: frame"].holds
     assert claims["selected: look, look"].holds
+
+
+def test_where_nothing_may_be_lost_no_number_of_losses_is_claimed(tmp_path: Path) -> None:
+    (tmp_path / "m.xml").write_text(TEXT.replace('name="eye"', 'name="eye" faulty="false"'))
+    eye = (tmp_path / "m.xml").read_text().replace('name="arm"', 'name="arm" faulty="false"')
+    (tmp_path / "m.xml").write_text(eye)
+    causes = Study(read_mission(tmp_path / "m.xml")).causes()
+    kinds = {claim.kind for claim in claims_of_causes(causes)}
+    assert not {kind for kind in kinds if kind.startswith(("any_lost", "most_lost"))}
+    assert "losses_lose_objective" in kinds

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable
 from functools import cached_property
+from itertools import combinations
 
 from mcpn.mission.model import Mission
 from mcpn.testing.judge.interpreter import (
@@ -372,6 +373,27 @@ class Judged:
             not s.outcome and all(e is None or e[0] in HARDWARE for e, _ in ways)
             for s, ways in self.leads.items()
         )
+
+    def numbers(self, kind: str, number: int) -> bool:
+        """Whether a claim on any so many losses by the start holds, or on the most that leave a way.
+
+        Args:
+            kind: Of the claim.
+            number: How many losses it speaks of.
+        """
+        ends = [SUCCESS] if kind.endswith(("defeat", "success")) else [SUCCESS, ABORTED]
+        left = {
+            lost: any(
+                s in self.safely(ends, [(REPAIRED, name) for name in lost])
+                for s in self.leads
+                if not s.begun and s.out.intersection(self.hardware) == {*lost}
+            )
+            for size in range(len(self.hardware) + 1)
+            for lost in combinations(sorted(self.hardware), size)
+        }
+        if kind.startswith("any_lost"):
+            return not all(survived for lost, survived in left.items() if len(lost) == number)
+        return number == max(len(lost) for lost, survived in left.items() if survived)
 
     def says(self, kind: str, subject: tuple[str, ...], aided: bool) -> bool | None:
         """Whether a claim holds; ``None`` of a kind that is judged elsewhere."""

@@ -83,6 +83,8 @@ def claims_of_survival(
         for lost in level.cut_sets if section else ():
             kind = f"loss_at_entry_{verb}s"
             yield Claim(kind, (together(lost), section), True, LEFT, formula(kind, section, lost))
+        if not level.always and not level.cut_sets:
+            continue  # nothing may be lost, so that no number of losses is survived or not
         number = counted(level.always or 1, "resource")
         yield Claim(f"any_lost_{verb}", (moment,), not level.always, LEFT, refers_to=(number,))
         number = counted(level.at_most, "resource")
