@@ -24,7 +24,7 @@ from mcpn.report.pages.result_tables import fold_rows, tables
 from mcpn.report.pages.story import headline, story, verdict_of_all
 from mcpn.robot.runtime import Controller
 from mcpn.testing import missions
-from tests.commands import mcpn
+from tests.commands import mcpn, output
 from tests.conftest import ROOT, ULYSSE
 from tests.small import activity, mission, robot
 
@@ -328,3 +328,29 @@ def test_equal_rows_of_one_objective_are_no_copies(tmp_path: Path) -> None:
     found, _ = told('<objective name="a" activities="go"/>', tmp_path)
     net = found.check.mission_net
     assert fold_rows(net, [("a", "fails"), ("a", "fails")]) == [("a", "fails")]
+
+
+WAYS = """<mission name="m" xmlns="urn:mcpn:mission:1">
+  <robot name="r"><hardware name="motor"{}/>
+    <activity name="go"><alternative name="a"{}/><alternative name="b"/></activity></robot>
+  <objective name="a" activities="go"/>
+</mission>"""
+SPARED = {
+    "used, with a way that does without": (("", ' consumes="motor"'), "Whatever hardware is lost beforehand"),
+    "that nothing uses": (("", ""), "No hardware that may fail is used."),
+    "that cannot fail": ((' faulty="false"', ' consumes="motor"'), "No hardware that may fail is used."),
+}
+
+
+@pytest.mark.parametrize("hardware", SPARED)
+def test_what_is_said_where_no_loss_defeats(hardware: str, tmp_path: Path) -> None:
+    parts, begins = SPARED[hardware]
+    (tmp_path / "m.xml").write_text(WAYS.format(*parts))
+    found = findings(compose(read_mission(tmp_path / "m.xml")))
+    assert {line.asked: line for line in story(found)}["What defeats it?"].said.startswith(begins)
+    printed = mcpn("causes", tmp_path / "m.xml").stdout
+    condition = output("causes", tmp_path / "m.xml")["mission"]["condition"]
+    kept = "After the loss of motor alone, whenever it comes, success stays possible."
+    told = kept if begins.startswith("Whatever") else begins
+    assert printed.splitlines()[0] == condition == told
+    assert ("what the mission survives" in printed) is (parts[0] == "")

@@ -11,7 +11,7 @@ from mcpn.answers.causes.minimal_cut_sets import CutSet, Unaided
 from mcpn.answers.causes.prospects import CriticalEvent
 from mcpn.answers.claims import Claim
 from mcpn.events import Event
-from mcpn.report.failures.sentences import conditions, kept, losses
+from mcpn.report.failures.sentences import conditions, kept, losses, spared
 from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
@@ -35,10 +35,7 @@ def causes_object(causes: Causes, claims: Sequence[Claim], *, runs: bool = True)
     goals = [("mission", "defeat", causes.mission)]
     goals += [] if causes.safety is None else [("safety", "endanger", causes.safety)]
     return {
-        **{
-            key: _goal(goal, runs, losses(claims, verb) or kept(claims, verb, causes.unused))
-            for key, verb, goal in goals
-        },
+        **{key: _goal(goal, runs, _said(causes, claims, verb)) for key, verb, goal in goals},
         **({"unsafe_aborts": list(causes.unsafe_aborts)} if causes.unsafe_aborts else {}),
         "objectives": {
             name: _goal(goal, runs, conditions(goal, name)) for name, goal in causes.objectives.items()
@@ -46,6 +43,11 @@ def causes_object(causes: Causes, claims: Sequence[Claim], *, runs: bool = True)
         "claims": [claim.to_json() for claim in claims],
         "survival": [_survival(found, runs) for found in causes.survival],
     }
+
+
+def _said(causes: Causes, claims: Sequence[Claim], verb: str) -> list[str]:
+    """Which losses do harm, or which do none, or why there are none."""
+    return losses(claims, verb) or kept(claims, verb, causes.unused) or spared(causes, verb)
 
 
 def left_out(objectives: int, what: Sequence[str]) -> list[dict[str, Any]]:

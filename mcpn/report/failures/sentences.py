@@ -13,7 +13,7 @@ from mcpn.answers.causes.find import Causes, Survival
 from mcpn.answers.claims.claim import Claim, sentences, told
 from mcpn.answers.claims.entries import GOALS, claims_of_survival
 from mcpn.answers.claims.found import plain_names
-from mcpn.answers.claims.of_objectives import claims_of_objective
+from mcpn.answers.claims.of_objectives import BEFOREHAND, claims_of_objective
 from mcpn.answers.claims.of_risk import ROUNDING
 from mcpn.answers.kinds.by_name import KINDS
 from mcpn.report.words import folded
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 
 IMPORTANCE = f"importance: {KINDS['importance'].holds.format('a resource', others='so much')}"
+NO_HARDWARE = "No hardware that may fail is used."
 MOST_TOLD = 8
 """Sets of losses, or names, of one sentence; tables and JSON have all."""
 NEVER = {"defeat": "can_succeed", "endanger": "can_end_safely"}
@@ -83,11 +84,26 @@ def kept(claims: Sequence[Claim], verb: str, unused: Collection[str], most: int 
     return sentences((claim for claim in aided if not {*claim.subject} & {*unused}), most)
 
 
+def spared(causes: Causes, verb: str = "defeat") -> list[str]:
+    """What is said of a goal that no losses take away: that none may come, or that a way is left.
+
+    Args:
+        causes: Of a mission.
+        verb: What losses would do: ``defeat``, ``endanger``.
+    """
+    if {*causes.prospects.hardware} <= {*causes.unused}:
+        return [NO_HARDWARE]
+    if verb == "endanger" or causes.mission.cut_sets:
+        return []  # hardware is used, and of each resource it is said that it may be lost
+    return sentences([Claim("losses_lose_objective", ("the mission",), False, BEFOREHAND)])
+
+
 def headlines(causes: Causes, claims: Sequence[Claim]) -> Iterator[str]:
     """What keeps the mission from success, and from a safe end if it can abort, and what does not."""
     yield from sentences(held(claims, "needs_help_to_succeed"))
     for verb in ("defeat", "endanger")[: 1 + (causes.safety is not None)]:
-        yield from (*losses(claims, verb, most=len(claims)), *kept(claims, verb, causes.unused))
+        said = (*losses(claims, verb, most=len(claims)), *kept(claims, verb, causes.unused))
+        yield from said or (spared(causes) if verb == "defeat" else ())
     unsaid = [claim for claim in claims if claim.kind == "says_what_is_safe" and not claim.holds]
     yield from sentences([*unsaid, *held(claims, "abort_after")])
 

@@ -77,16 +77,18 @@ def _print_sentences(terminal: Terminal, heading: str, told: Iterable[str]) -> N
 
 
 def _print_survival(terminal: Terminal, causes: Causes) -> None:
-    """Moments at which the same is survived stand together."""
+    """Moments at which the same is survived stand together; nothing where nothing may be lost."""
+    moments_told = [(moments, told) for moments, told in survived(causes) if told]
+    if not moments_told:
+        return
     terminal.print()
     unaided = [goal.unaided for goal in (causes.mission, causes.safety) if goal is not None]
     helpers = enumeration([*dict.fromkeys(name for each in unaided if each for name in each.helpers)])
     with_help = f", with the help of {helpers}" if helpers else ""
     terminal.print(f"what the mission survives{with_help}", style="bold")
-    for moments, told in survived(causes):
-        for number, said in enumerate(told):
-            if not number:
-                terminal.print(moments, indent=2, hang=2)
+    for moments, told in moments_told:
+        terminal.print(moments, indent=2, hang=2)
+        for said in told:
             terminal.print(said, indent=6)
 
 

@@ -12,7 +12,7 @@ from mcpn.answers.claims.found import claims_found, of_verdict
 from mcpn.answers.claims.unasked import DEFEATING, UNASKED, unasked
 from mcpn.answers.kinds.by_name import OF_VERDICTS
 from mcpn.answers.verdicts.mission import NOMINAL
-from mcpn.report.failures.sentences import MOST_TOLD, kept, losses
+from mcpn.report.failures.sentences import MOST_TOLD, NO_HARDWARE, kept, losses, spared
 from mcpn.report.pages.nominal_run import nominal_run, strip
 from mcpn.report.words import (
     folded,
@@ -118,7 +118,7 @@ def story(findings: Findings) -> Iterator[StoryLine]:
     if findings.causes is not None:
         yield _safety(findings)
         yield from _noted(findings.held("abort_after"), "Is every abort safe?", "fails")
-        yield _lost(findings)
+        yield _lost(findings, findings.causes)
         yield from _claimed(findings.claims, DEFEATING)
         yield from _survived(findings, findings.causes)
     yield from _claimed(findings.claims, UNASKED)
@@ -196,13 +196,13 @@ def late_losses(findings: Findings) -> list[Claim]:
     return [claim for kind in kinds for claim in findings.held(kind)]
 
 
-def _lost(findings: Findings) -> StoryLine:
+def _lost(findings: Findings, causes: Causes) -> StoryLine:
     """What keeps a mission from success."""
     asked = "What defeats it?"
     if said := losses(findings.claims, "defeat"):
         state = "fails" if findings.held("without_repair_defeated") else "note"
         return StoryLine(state, asked, " ".join(said))
-    return StoryLine("holds", asked, NO_HARDWARE)
+    return StoryLine("holds", asked, " ".join(spared(causes)))
 
 
 def _survived(findings: Findings, causes: Causes) -> Iterator[StoryLine]:
@@ -244,9 +244,6 @@ def _safety(findings: Findings) -> StoryLine:
         return _shown(findings, verdict)
     unused = () if findings.causes is None else findings.causes.unused
     return StoryLine("holds", asked, " ".join(kept(findings.claims, "endanger", unused)) or NO_HARDWARE)
-
-
-NO_HARDWARE = "No hardware that may fail is used."
 
 
 def _shown(findings: Findings, verdict: Verdict) -> StoryLine:
