@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property
-from itertools import cycle
 
 from mcpn._kernel import BudgetExceeded, Zdd
 from mcpn.nets.petri import Marking
@@ -28,7 +27,7 @@ class Diagrams(BySteps[Zdd]):
         states: Those that are states of the graph.
     """
 
-    first_steps = 50_000
+    first_steps = 20_000
     """Budget of a closure's first turn."""
     steps_of_layers = 300_000
     """Budget of the layers of :meth:`staying` before anything else is tried."""
@@ -43,6 +42,7 @@ class Diagrams(BySteps[Zdd]):
         self.most_steps = 0  # about the most that a closure may take; 0: any number
         self.steps = 0  # what layers have taken
         self._left_off: dict[tuple[Zdd, Zdd | None], Staying] = {}
+        self._closing: dict[tuple[Zdd, tuple[int, ...], Zdd], tuple[Zdd, int]] = {}
         self.free, self.waiting = space.free, space.waiting
 
     @cached_property
@@ -157,31 +157,38 @@ class Diagrams(BySteps[Zdd]):
         return {t: allowed_in.get(t, self.stable) for t in range(len(self.net.transitions))}
 
     def closure(self, begin: Zdd, events: Sequence[int], within: Zdd) -> Zdd:
-        """The states that some events lead to inside a set, by saturation or by chaining, turn by turn.
+        """The states that some events lead to inside a set, by saturation or by layers, turn by turn.
 
         Saturation makes many nodes that the result has not where its order of places suits the forward
-        events alone; one event after the other, over all states found, may then need few steps. Each has a
-        budget of steps, which grows, and goes on where it was.
+        events alone; one step of all events after the other may then need few of them. Each has a budget of
+        steps, which grows, and goes on where it was, also when the closure is asked for again after an error
+        has ended it.
         """
-        store, budget, reached = self.encoding.store, self.first_steps, begin & within
-        turns, unchanged = cycle(events), 0
-        while True:
-            try:
-                return begin.saturate(events, within=within, max_steps=budget)
-            except BudgetExceeded:
-                spent = 0
-            while spent < budget:
-                after = reached.images([next(turns)], within=within)
-                spent += store.steps
-                wider = reached | after
-                spent += store.steps
-                unchanged = unchanged + 1 if wider == reached else 0
-                reached = wider
-                if unchanged == len(events):
-                    return reached
-            budget *= CLOSURE_FACTOR
-            if self.most_steps and budget > self.most_steps:
-                raise BudgetExceeded(f"a closure took more than {self.most_steps} steps")
+        store, key = self.encoding.store, (begin, tuple(events), within)
+        reached, budget = self._closing.pop(key, (begin & within, self.first_steps))
+        try:
+            while reached != within:
+                try:
+                    return begin.saturate(events, within=within, max_steps=budget)
+                except BudgetExceeded:
+                    spent = 0
+                while spent < budget:
+                    after = reached.images(events, within=within)
+                    spent += store.steps
+                    wider = reached | after
+                    spent += store.steps
+                    if wider == reached:
+                        return reached
+                    reached = wider
+                    if reached == within:
+                        return reached
+                budget *= CLOSURE_FACTOR
+                if self.most_steps and budget > self.most_steps:
+                    raise BudgetExceeded(f"a closure took more than {self.most_steps} steps")
+            return reached
+        except BaseException:
+            self._closing[key] = reached, budget
+            raise
 
     def before(
         self,

@@ -2,8 +2,8 @@
 
 ``reaching`` and ``reached`` are saturation inside a set where the net has no priorities (constrained
 saturation: Zhao, Ciardo, *Symbolic CTL model checking of asynchronous systems using constrained saturation*,
-ATVA 2009), or chaining where that takes fewer steps (Roig, Cortadella, Pastor, ICATPN 1995); with priorities,
-saturation by internal transitions alternates with steps of events, element by element of the mission.
+ATVA 2009), or layers of all events where those take fewer steps; with priorities, saturation by internal
+transitions alternates with steps of events, element by element of the mission.
 """
 
 from __future__ import annotations
@@ -69,8 +69,30 @@ class DiagramMarkings(Diagrams):
         transitions: Collection[int] | None = None,
         guards: Guards[Zdd] = None,
     ) -> Zdd:
-        """States from which some run through ``along`` leads into a goal, the goal's own included."""
+        """States from which some run through ``along`` leads into a goal, the goal's own included.
+
+        The initial state leads to every other: so do those that lead to it.
+        """
+        if along is None and transitions is None and not guards and goal:
+            goal |= self.returning
+        return self._leading_to(goal, along, transitions, guards)
+
+    @cached_property
+    def returning(self) -> Zdd:
+        """States from which some run leads to the initial one: all of them where the net is reversible."""
+        return self._leading_to(self.initial)
+
+    def _leading_to(
+        self,
+        goal: Zdd,
+        along: Zdd | None = None,
+        transitions: Collection[int] | None = None,
+        guards: Guards[Zdd] = None,
+    ) -> Zdd:
+        """:meth:`reaching`, by a closure back from the goal."""
         within = self.everything if along is None else along | goal
+        if goal == within:
+            return within
         free = self.of(self.encoding.undoing, self.free, transitions, guards)
         sources = self.closure(goal, free, within)
 
@@ -91,6 +113,8 @@ class DiagramMarkings(Diagrams):
     ) -> Zdd:
         """States of ``along`` to which some run through it leads, those it begins from included."""
         within = self.everything if along is None else along
+        if along is None and transitions is None and not guards and begin & self.returning:
+            return within
         free = self.of(self.encoding.events, self.free, transitions, guards)
         targets = self.closure(begin, free, within)
 
