@@ -57,6 +57,8 @@ FIRST_STEPS, MOST_STEPS = 600_000, 2**60
 """Of the race for the space, within which it is there at once, and where it goes on to its end."""
 SHORT_SLICE = 0.05
 """Seconds of first turns where a search comes first."""
+SLICE_OF_PROOF = 0.5
+"""Seconds of first turns where one deadlock is asked for: to load the solver takes a tenth."""
 RESTS = 4
 """How many times as long as formulas have been rewritten they are not, although more is known."""
 FIRST_SLICE_OF_QUESTION, SLICE_FACTOR = 0.4, 3.0
@@ -158,7 +160,9 @@ class _Answers(OpenQuestions):
         self.tell_open()
         space = self.by_space()
         ways = self.ways_to_go([] if self.questions.engine == "search" else [space])
-        first = inf if self.typed else SHORT_SLICE if self.searched else FIRST_SLICE
+        first = SHORT_SLICE if self.searched else FIRST_SLICE
+        if self.typed or [*self.waiting.values()] == [SOME_DEADLOCK]:
+            first = inf if self.typed else SLICE_OF_PROOF
         for told in in_turns(ways, lambda: not self.waiting, first=first, whole=space):
             if told is not None:
                 yield told

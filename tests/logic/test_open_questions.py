@@ -89,6 +89,36 @@ def test_what_the_equation_knows_of_one_condition_is_used_before_it_is_asked_of_
     assert next(answers).name == "first"
 
 
+def everyone_asks_first(count: int) -> PetriNet:
+    """Each raises a flag to try, lowers it where another one's is up, and enters where none is (Dekker)."""
+    builder, everyone = NetBuilder("dekker"), range(count)
+    for i in everyone:
+        for place, initial in (("idle", 1), ("tries", 0), ("inside", 0), ("down", 1), ("up", 0)):
+            builder.place(f"{place}{i}", initial=initial)
+    for i in everyone:
+        others = [j for j in everyone if j != i]
+        builder.transition(f"try{i}", consume=[f"idle{i}", f"down{i}"], produce=[f"tries{i}", f"up{i}"])
+        for j in others:
+            builder.transition(
+                f"yield{i}_{j}",
+                consume=[f"tries{i}", f"up{i}"],
+                produce=[f"idle{i}", f"down{i}"],
+                read=[f"up{j}"],
+            )
+        builder.transition(
+            f"enter{i}", consume=[f"tries{i}"], produce=[f"inside{i}"], read=[f"down{j}" for j in others]
+        )
+        builder.transition(f"leave{i}", consume=[f"inside{i}", f"up{i}"], produce=[f"idle{i}", f"down{i}"])
+    return builder.build()
+
+
+def test_a_lone_deadlock_is_ruled_out_before_the_space_is_drawn() -> None:
+    questions = Questions(everyone_asks_first(12))
+    (answer,) = answer_all(questions, (), ["ReachabilityDeadlock"])
+    assert (answer.value, answer.techniques[-1]) == ("FALSE", "STATE_EQUATION")
+    assert not questions.made
+
+
 def test_a_walk_comes_before_the_invariants(monkeypatch: pytest.MonkeyPatch) -> None:
     def by_structure(self: _Answers) -> Iterator[None]:
         raise AssertionError("a walk finds the deadlock")

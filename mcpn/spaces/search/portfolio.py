@@ -69,6 +69,8 @@ ALONE = 3
 """How many times as many markings a lone goal has before the equation, whose solver takes as long to load."""
 STEPS_OF_TRANSITION = 20
 """Firings of a walk beyond those of its round, for each transition of the net."""
+CASES_OF_DEADLOCK = 400
+"""Of the branch and bound: there is one such goal, of conditions on many places."""
 FIRINGS, MOST_COUNTED = 4, 4_000_000
 """Firings tried for each that the state equation proposes, and in all."""
 SHORT = Round(0, 20_000)
@@ -245,12 +247,15 @@ class _Task:
             if run.outcome == "reached":
                 return self._reached(run.run, HEURISTIC)
             yield
-        return (yield from self._by_equation(budget, seed)) if budget.equation else None
+        # That nothing is dead the equation, with traps, often proves in less than a search takes.
+        proves = seed == 0 and budget.steps > 0 if self.goal == DEADLOCK else budget.equation
+        return (yield from self._by_equation(budget, seed)) if proves else None
 
     def _by_equation(self, budget: Round, seed: int) -> Pausing[SearchResult | None]:
-        from mcpn.spaces.search.equation import StateEquation
+        from mcpn.spaces.search.equation import NODES, StateEquation
 
-        solution = yield from StateEquation(self.searches.net).solving(self.inner)
+        cases = CASES_OF_DEADLOCK if self.goal == DEADLOCK else NODES
+        solution = yield from StateEquation(self.searches.net).solving(self.inner, cases)
         if solution.kind == "unreachable":
             traps = (TRAPS,) if solution.traps else ()
             return SearchResult(False, None, (*self.techniques, STATE_EQUATION, *traps))
