@@ -208,11 +208,19 @@ class _Reader:
             self.known(each, path, parent=each.getparent() if each is not element else None)
         for each in element:
             if each.get("ID"):
-                self.categories[str(each.get("ID"))] = _tag(each)
+                self.category(str(each.get("ID")), _tag(each), Source(str(path), line_of(each)))
                 ports = [port for port in each if _tag(port) in _PORTS]
                 self.ports[str(each.get("ID"))] = {
                     str(port.get("name")): not port.get("default") for port in ports
                 }
+
+    def category(self, name: str, said: str, source: Source) -> None:
+        """Takes what a model says a node is; one that says otherwise than another before it is warned of."""
+        before = self.categories.get(name, said)
+        if before != said:
+            both = f"{name} is {said} here and {before} in another model"
+            self.warnings.append(Problem(source, f"{both}: {said} counts"))
+        self.categories[name] = said
 
     def known(self, element: etree._Element, path: Path, parent: etree._Element | None = None) -> None:
         """Holds an element that is no node to the table of elements."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.errors import InputError
+from mcpn.errors import InputError, Source
 from mcpn.trees.importing import translate
 from mcpn.trees.reading import read_forest
 
@@ -80,6 +80,19 @@ def test_what_libraries_ignore_is_listed(tmp_path: Path) -> None:
         "a: attribute _skipif means nothing, _skipIf does",
         "Sequence: attribute _odd means nothing",
     ]
+
+
+def test_models_that_disagree_are_listed(tmp_path: Path) -> None:
+    """A condition answers at once, an action may run: which one a node is changes the mission."""
+    path, models = tmp_path / "tree.xml", tmp_path / "models.xml"
+    path.write_text(
+        '<root BTCPP_format="4"><BehaviorTree ID="A"><a/></BehaviorTree>\n'
+        '<TreeNodesModel><Action ID="a"/><Condition ID="b"/></TreeNodesModel></root>'
+    )
+    models.write_text('<TreeNodesModel>\n<Condition ID="a"/><Condition ID="b"/></TreeNodesModel>')
+    (warning,) = read_forest(path, models=[models]).warnings
+    assert warning.message == "a is Action here and Condition in another model: Action counts"
+    assert warning.source == Source(str(path), 2)
 
 
 def test_names_in_other_letters(tmp_path: Path) -> None:
