@@ -19,6 +19,8 @@ LIBRARIES = {
     "faults/both_checkers",
     "faults/callers",
     "faults/campaigns",
+    "faults/golden_meaning",
+    "faults/golden_play",
     "faults/seeded_list",
     "faults/seeded_missions",
     "nets/dd_engine",

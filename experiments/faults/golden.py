@@ -1,35 +1,40 @@
 """Every answer about many missions and nets, to be compared after a change that must change none.
 
-Usage: ``python experiments/faults/golden.py subjects SUBJECTS [--missions N] [--seed S]`` writes drawn
-missions, the worked and the natural ones, and nets, as files; ``... answers SUBJECTS FOLDER [--seconds S]``
-asks each command about each of them, with the code that Python finds; ``... compare FOLDER FOLDER`` says
-where two such folders differ (exit code 1). Draw the subjects once, with the older code: strategies may draw
-others later.
+Usage: ``python experiments/faults/golden.py subjects SUBJECTS [--missions N] [--nets N] [--seed S]`` writes
+drawn missions, the worked and the natural ones, and nets, as files; ``... answers SUBJECTS FOLDER
+[--seconds S]`` asks each command about each of them, with the code that Python finds, and goes on where it
+was stopped; ``... compare SUBJECTS FOLDER FOLDER`` says where two such folders differ (exit code 1). Draw the
+subjects once, with the older code, and keep all three folders outside the checkout: strategies may draw
+others later. Older code answers by this file too: ``PYTHONPATH=OLD python .../golden.py answers ...``.
 
-A command that takes longer than ``--seconds`` leaves no answer and is not compared; nor are seconds, versions
-and folders. With the defaults answers take some twenty minutes of one core.
+What is compared by text: exit codes, what is printed, JSON (all its places, numbers to 1e-9; objects may have
+more keys than before), tables row by row. By meaning: controllers, which are played on the same random events
+in every form, in C, Python and the runtime (``golden_play.py``; numbers of states may change), and sentences
+and names that ``golden_purpose.toml`` says are others now. That file also has the places that differ on
+purpose, each with the words of the changelog that say so. A command that takes more CPU seconds than
+``--seconds`` leaves no answer and is not compared; nor are seconds, versions and folders. With the defaults
+answers take about an hour of one core, comparing some fifteen minutes.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
+import io
 import os
 import re
+import resource
 import shutil
 import signal
 import sys
-from collections.abc import Iterator
+from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import redirect_stdout, suppress
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT))
 
-VOLATILE = {"seconds", "version", "memory", "digest", "nodes", "peak", "peak_nodes", "order", "generator"}
-"""Keys of JSON objects whose values are no answers."""
 TARGETS = ("json", "c", "python", "scxml", "btcpp", "ros2")
 FORMS = ("hierarchical", "modular", "flat")
 ENGINES = ("auto", "explicit", "symbolic", "local")
@@ -76,27 +81,33 @@ OF_NETS = [
 """What is asked of each net."""
 
 
-def subjects(folder: Path, number: int, seed: int) -> None:
-    """Writes what is asked about."""
+def subjects(folder: Path, number: int, seed: int, of_nets: int) -> None:
+    """Writes what is asked about: drawn missions, a fifth of them small and dense, and the others."""
     from experiments.shared.drawing import drawn
     from mcpn.mission.writer import write_mission
     from mcpn.nets.formats.pnml_writer import write_pnml
     from mcpn.testing import nets
     from mcpn.testing.elements import MISSIONS
     from tests.answers.dense import any_missions
+    from tests.nets.nets import safe_ish_nets, token_nets
 
     folder.mkdir(parents=True)
-    for i, mission in enumerate(drawn(MISSIONS, number, seed) + drawn(any_missions(), number // 4, seed)):
+    dense = number // 5
+    found = drawn(MISSIONS, number - dense, seed) + drawn(any_missions(), dense, seed)
+    for i, mission in enumerate(found):
         (folder / f"drawn{i:03}.xml").write_bytes(write_mission(mission))
-    for mission in sorted((ROOT / "experiments").glob("*/")):
-        if list(mission.glob("*.xml")):
-            shutil.copytree(mission, folder / mission.name, ignore=shutil.ignore_patterns("*.py", "*.toml"))
+    for worked in sorted((ROOT / "experiments").glob("*/")):
+        if list(worked.glob("*.xml")):
+            shutil.copytree(worked, folder / worked.name, ignore=shutil.ignore_patterns("*.py", "*.toml"))
     shutil.copytree(
         ROOT / "tests" / "natural", folder / "natural", ignore=shutil.ignore_patterns("*.py", "__*")
     )
     for family in ("philosophers", "component_ring", "slotted_ring", "kanban", "fms", "queens"):
         for size in (2, 3, 4):
             (folder / f"{family}{size}.pnml").write_bytes(write_pnml(getattr(nets, family)(size)))
+    half = of_nets // 2
+    for i, net in enumerate(drawn(safe_ish_nets(), half, seed) + drawn(token_nets(), of_nets - half, seed)):
+        (folder / f"net{i:03}.pnml").write_bytes(write_pnml(net))
 
 
 def ask(subject: Path, command: tuple[str, ...], folder: Path, seconds: int) -> None:
@@ -106,87 +117,92 @@ def ask(subject: Path, command: tuple[str, ...], folder: Path, seconds: int) -> 
     if pid == 0:
         from mcpn.cli.line import run
 
-        signal.alarm(seconds)
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
+        signal.alarm(10 * seconds)
         os.chdir(subject.parent)
         for number, name in ((1, "printed"), (2, "said")):
             os.dup2(os.open(folder / name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), number)
+        sys.stdout, sys.stderr = (os.fdopen(n, "w", encoding="utf-8", closefd=False) for n in (1, 2))
         name, *options = (word.format(out=folder) for word in command)
         code = run([name, subject.name, *options])
-        (folder / "code").write_text(str(code))
         sys.stdout.flush()
+        sys.stderr.flush()
+        (folder / "code").write_text(str(code))
         os._exit(0)
     _, status = os.waitpid(pid, 0)
     if status:
         shutil.rmtree(folder)
 
 
+def unverified() -> tuple[str, ...]:
+    """What makes ``controller`` write one for a mission that fails its checks too, as older code does."""
+    said = io.StringIO()
+    with redirect_stdout(said), suppress(SystemExit):
+        from mcpn.cli.line import run
+
+        run(["controller", "--help"])
+    return ("--unverified",) if "--unverified" in said.getvalue() else ()
+
+
 def asked(source: Path, folder: Path, seconds: int, subject: Path) -> None:
-    """Asks everything about one subject."""
-    into = folder / subject.relative_to(source).with_suffix("")
+    """Asks everything about one subject that it has not been asked."""
+    into, more = folder / subject.relative_to(source).with_suffix(""), unverified()
     for command in OF_NETS if subject.suffix == ".pnml" else OF_MISSIONS:
         words = "_".join(w.replace("{out}/", "") for w in command if w not in FORMULAS)
-        ask(subject.resolve(), command, into.resolve() / re.sub(r"[^\w.-]", "_", words), seconds)
+        answer = into.resolve() / re.sub(r"[^\w.-]", "_", words)
+        late = answer.with_name(f"{answer.name}.late")
+        if (answer / "code").exists() or late.exists():
+            continue
+        ask(subject.resolve(), (*command, *more) if command[0] == "controller" else command, answer, seconds)
+        if not answer.exists():
+            late.touch()
 
 
 def answers(source: Path, folder: Path, seconds: int, jobs: int) -> None:
     """Asks everything about everything."""
     import mcpn.cli.line  # noqa: F401  (so that no child loads it anew)
 
-    files = [p for p in sorted(source.rglob("*")) if p.suffix in (".xml", ".pnml")]
-    subjects = [p for p in files if p.stem not in ("robot", "protocols", "package")]
     with ProcessPoolExecutor(jobs) as pool:
-        list(pool.map(partial(asked, source, folder, seconds), subjects))
+        list(pool.map(partial(asked, source, folder, seconds), asked_of(source)))
 
 
-def plain(value: Any) -> Any:
-    """A JSON value without what is no answer."""
-    if isinstance(value, dict):
-        return {key: plain(inner) for key, inner in value.items() if key not in VOLATILE}
-    if isinstance(value, str):
-        return re.sub(r"/\S+/", "", value)
-    return [plain(inner) for inner in value] if isinstance(value, list) else value
+def asked_of(source: Path) -> list[Path]:
+    """The missions and nets of a folder of subjects."""
+    files = [p for p in sorted(source.rglob("*")) if p.suffix in (".xml", ".pnml")]
+    return [p for p in files if p.stem not in ("robot", "protocols", "package")]
 
 
-def read(file: Path) -> Any:
-    """What a file says, as a JSON value or as text without times and folders."""
-    text = file.read_text()
-    if text.startswith(("{", "[")):
-        try:
-            return plain(json.loads(text))
-        except ValueError:
-            pass
-    inside = re.search(r'"""\s*(\{\s*"format".*?)"""', text, re.DOTALL)
-    document = None if inside is None else plain(json.loads(inside[1]))
-    text = text if inside is None else text.partition('"""{')[0]
-    text = re.sub(r"\d+(\.\d+)? (s|ms|seconds)\b|/\S+/|TIME\S*|\d{4}-\d\d-\d\dT\S+", "", text)
-    return [document, *text.splitlines()]
+def compare(source: Path, old: Path, new: Path) -> bool:
+    """Prints where two folders of answers differ, by place; whether one does for no reason."""
+    from experiments.faults.golden_meaning import Difference, expected, of_answers
+    from experiments.faults.golden_play import of_controllers
 
-
-def difference(old: Any, new: Any, where: str = "") -> str | None:
-    """The first place where two values differ; objects may have more keys than before."""
-    if isinstance(old, dict) and isinstance(new, dict) and old.keys() <= new.keys():
-        pairs = [(old[key], new[key], f"{where}.{key}") for key in old]
-    elif isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
-        pairs = [(a, b, f"{where}[{i}]") for i, (a, b) in enumerate(zip(old, new, strict=True))]
-    else:
-        return None if old == new else f"{where}: {str(old)[:150]!r} -> {str(new)[:150]!r}"
-    return next((found for pair in pairs if (found := difference(*pair))), None)
-
-
-def differences(old: Path, new: Path) -> Iterator[str]:
-    """Files that differ, each with the first place, of what both have answered in time."""
-    for code in sorted(new.rglob("code")):
-        other, folder = code.parent, old / code.parent.relative_to(new)
-        if not (folder / "code").exists():
-            print(f"{folder.relative_to(old)}: not answered in time by both", file=sys.stderr)
-            continue
-        names = {str(p.relative_to(f)) for f in (folder, other) for p in f.rglob("*") if p.is_file()}
-        for name in sorted(names):
-            both = folder / name, other / name
-            missing = [str(f) for f in both if not f.exists()]
-            found = f"only one has it; {missing}" if missing else difference(*map(read, both))
-            if found:
-                yield f"{folder.relative_to(old)}/{name} {found}"
+    renamed, purposes = expected()
+    counted, meant = Counter[str](), Counter[str]()
+    open_: dict[str, list[Difference]] = {}
+    for file in asked_of(source):
+        subject = file.relative_to(source).with_suffix("")
+        for code in sorted((old / subject).glob("*/code")):
+            before, now = code.parent, new / subject / code.parent.name
+            if not (now / "code").exists():
+                counted["not answered by both"] += 1
+                continue
+            found = [*of_answers(before, now, str(subject), renamed)]
+            pages = [next((p.page for p in purposes if p.holds(each)), "") for each in found]
+            meant.update(filter(None, pages))
+            for each in (each for each, page in zip(found, pages, strict=True) if not page):
+                open_.setdefault(each.kind, []).append(each)
+            counted["open" if not all(pages) else "differ on purpose" if pages else "equal"] += 1
+        for _, wrong in of_controllers(old / subject, new / subject, str(subject), renamed):
+            counted["controllers alike" if wrong is None else "controllers open"] += 1
+            if wrong is not None:
+                open_.setdefault(wrong.kind, []).append(wrong)
+    for page, number in meant.most_common():
+        print(f"{number} places: {page}")
+    for found in sorted(open_.values(), key=len, reverse=True):
+        print(f"{len(found)} open: {found[0]}")
+    print(", ".join(f"{number} {what}" for what, number in counted.most_common()))
+    return bool(open_)
 
 
 def main() -> int:
@@ -196,19 +212,21 @@ def main() -> int:
     )
     parser.add_argument("what", choices=("subjects", "answers", "compare"))
     parser.add_argument("folders", type=Path, nargs="+")
-    parser.add_argument("--missions", type=int, default=60, help="how many are drawn (default 60)")
+    parser.add_argument("--missions", type=int, default=300, help="how many are drawn (default 300)")
+    parser.add_argument("--nets", type=int, default=82, help="how many are drawn (default 82)")
     parser.add_argument("--seed", type=int, default=1, help="which ones (default 1)")
-    parser.add_argument("--seconds", type=int, default=20, help="for each question (default 20)")
+    parser.add_argument("--seconds", type=int, default=20, help="of CPU for each question (default 20)")
     parser.add_argument("--jobs", type=int, default=2, help="processes (default 2)")
     given = parser.parse_args()
+    expected = {"subjects": 1, "answers": 2, "compare": 3}[given.what]
+    if len(given.folders) != expected:
+        parser.error(f"{given.what}: expected {expected} folders, found {len(given.folders)}")
     if given.what == "subjects":
-        subjects(given.folders[0], given.missions, given.seed)
+        subjects(given.folders[0], given.missions, given.seed, given.nets)
     elif given.what == "answers":
-        answers(*given.folders, given.seconds, given.jobs)
+        answers(given.folders[0], given.folders[1], given.seconds, given.jobs)
     else:
-        found = list(differences(*given.folders))
-        print(*found, f"{len(found)} differ", sep="\n")
-        return 1 if found else 0
+        return int(compare(*given.folders))
     return 0
 
 
