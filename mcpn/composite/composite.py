@@ -9,7 +9,8 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import partial
 
 from mcpn._kernel import Zdd
-from mcpn.composite.glued import CompositeSet, Filter, Glued, Member, SectionSets
+from mcpn.composite.filters import Filter
+from mcpn.composite.glued import CompositeSet, Glued, Member, SectionSets
 from mcpn.composite.sections import NOWHERE
 from mcpn.nets.petri import Marking
 from mcpn.spaces.algebra import Edge, Guards, Piece

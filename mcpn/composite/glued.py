@@ -11,23 +11,16 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from functools import cached_property
 from heapq import heappop, heappush
 from itertools import chain
-from typing import TypeAlias
 
 from mcpn._kernel import Zdd
+from mcpn.composite.filters import Filter, Filters
 from mcpn.composite.layout import Layout
-from mcpn.composite.section_type import ALL, Allowed, SectionType
+from mcpn.composite.section_type import Allowed
 from mcpn.composite.sections import BEGIN, NOWHERE, Moved, Stage, WholeNet, ends_of, outside
-from mcpn.drawing.sections import Used
 from mcpn.drawing.templates.stencil import Kind
 from mcpn.spaces.algebra import Guards, Without
 from mcpn.spaces.components import strongly_connected
 from mcpn.spaces.memoized import ByKey, memoized
-
-Filter: TypeAlias = Callable[[str], Allowed]
-"""By section, what its edges may carry."""
-
-Divided: TypeAlias = tuple[frozenset[int], Sequence[int]]
-"""Some events of a local net, and all those of the section's control."""
 
 Member = tuple[str, tuple[int, ...]]
 """A state: its section, and its marked levels with the section's own slots unmarked."""
@@ -58,20 +51,46 @@ class CompositeSet:
 
     def __init__(self, space: Glued, parts: Mapping[str, Zdd]) -> None:
         self.space = space
-        self.parts = {name: part for name, part in parts.items() if part}
+        self.parts: Mapping[str, Zdd] = {name: part for name, part in parts.items() if part}
+
+    @classmethod
+    def of_parts(cls, space: Glued, parts: Mapping[str, Zdd]) -> CompositeSet:
+        """The set of some parts, none of which is empty."""
+        made = cls.__new__(cls)
+        made.space, made.parts = space, parts
+        return made
 
     def __and__(self, other: CompositeSet) -> CompositeSet:
-        few, many = sorted((self.parts, other.parts), key=len)
-        return CompositeSet(self.space, {n: part & many[n] for n, part in few.items() if n in many})
+        few, many = (
+            (self.parts, other.parts) if len(self.parts) <= len(other.parts) else (other.parts, self.parts)
+        )
+        both = {n: met for n, part in few.items() if n in many and (met := part & many[n])}
+        return self.of_parts(self.space, both)
 
     def __or__(self, other: CompositeSet) -> CompositeSet:
-        few, many = sorted((self.parts, other.parts), key=len)
-        return CompositeSet(self.space, many | {n: p | many[n] if n in many else p for n, p in few.items()})
+        few, many = (
+            (self.parts, other.parts) if len(self.parts) <= len(other.parts) else (other.parts, self.parts)
+        )
+        if not few:
+            return self.of_parts(self.space, many)
+        return self.of_parts(
+            self.space, {**many, **{n: p | many[n] if n in many else p for n, p in few.items()}}
+        )
 
     def __sub__(self, other: CompositeSet) -> CompositeSet:
         theirs = other.parts
-        rest = {n: part - theirs[n] if n in theirs else part for n, part in self.parts.items()}
-        return CompositeSet(self.space, rest)
+        if len(theirs) < len(self.parts):
+            rest = dict(self.parts)
+            for name in [name for name in theirs if name in rest]:
+                if left := rest[name] - theirs[name]:
+                    rest[name] = left
+                else:
+                    del rest[name]
+            return self.of_parts(self.space, rest)
+        parts = self.parts.items()
+        return self.of_parts(
+            self.space, {n: left for n, part in parts if (left := part - theirs[n] if n in theirs else part)}
+        )
 
     def __bool__(self) -> bool:
         return bool(self.parts)
@@ -144,59 +163,22 @@ class Glued:
 
     def filtered(self, transitions: Collection[int] | None, guards: Guards[CompositeSet] = None) -> Filter:
         """What edges may carry, as each section sees it; guards are of sections' events."""
-        if transitions is None and not guards:
-            return lambda name: ALL
-        many, few = transitions, frozenset[int]()
-        if isinstance(transitions, Without):
-            many, few = transitions.many, transitions.few
-        known = (lambda name: ALL) if many is None else self._allowed[frozenset(many)]
-        if not few and not guards:
-            return known
         limits = guards or {}
+        known = self._filters.unguarded(transitions)
+        if not limits:
+            return known
 
         def of(name: str) -> Allowed:
-            own, carrying = self.stages[name].transitions, self.stages[name].type.carrying
-            local, beside, _ = known(name)
-            if few and local is not None and beside is not None:
-                local, beside = local.difference([i for i in carrying if own[i] in few]), beside - few
-            guarded = [(i, limits[own[i]].of(name)) for i in carrying if own[i] in limits] if limits else ()
+            own, (local, beside, _) = [*self.stages[name].transitions], known(name)
+            carrying = self.stages[name].type.carrying
+            guarded = [(i, limits[own[i]].of(name)) for i in carrying if own[i] in limits]
             return Allowed(local, beside, tuple(guarded))
 
         return ByKey(of).__getitem__
 
     @cached_property
-    def _allowed(self) -> Mapping[frozenset[int], Filter]:
-        """By transitions what edges may carry, as each section sees it: one object for all that are alike."""
-
-        def filter_(wanted: frozenset[int]) -> Filter:
-            beside = wanted.intersection(self.layout.toggles)
-
-            def of(name: str) -> Allowed:
-                stage = self.stages[name]
-                used, control = self._of_used[wanted, stage.type, stage.part.used]
-                own = [i for i in control if stage.transitions[i] in wanted]
-                return self._once(Allowed(used.union(own), beside))
-
-            return ByKey(of).__getitem__
-
-        return ByKey(filter_)
-
-    @cached_property
-    def _of_used(self) -> Mapping[tuple[frozenset[int], SectionType, Used], Divided]:
-        """By transitions: events of what stages use, in their local net, and those of their control."""
-        lists = {(s.type, s.part.used): s.used["transitions"] for s in self.stages.values()}
-
-        def divided(key: tuple[frozenset[int], SectionType, Used]) -> Divided:
-            wanted, used, carrying = key[0], lists[key[1:]], key[1].carrying
-            chosen = frozenset([i for i in carrying if used[i] in wanted])
-            return chosen, [i for i in carrying if used[i] == NOWHERE]
-
-        return ByKey(divided)
-
-    @memoized
-    def _once(self, allowed: Allowed) -> Allowed:
-        """One object for equal ones (interning)."""
-        return allowed
+    def _filters(self) -> Filters:
+        return Filters(self.stages, self.carrying, self.layout.toggles)
 
     @memoized
     def _holding(self, kind: Kind) -> tuple[Mapping[int, Sequence[str]], Mapping[int, list[list[str]]]]:
@@ -289,7 +271,7 @@ class Glued:
         for name in states.parts if having is None else having:
             if name in within.parts and name in states.parts:
                 sources.add(name, self.stages[name].back(states.of(name), allowed(name), within.of(name)))
-        return CompositeSet(self, sources)
+        return CompositeSet.of_parts(self, sources)
 
     def after(
         self,
@@ -304,7 +286,7 @@ class Glued:
         targets = self.entering(parts, self.everything, allowed)
         for name, part in parts.items():
             targets.add(name, self.stages[name].forth(part, allowed(name)))
-        return CompositeSet(self, targets)
+        return CompositeSet.of_parts(self, targets)
 
     @cached_property
     def dead(self) -> CompositeSet:
@@ -393,7 +375,7 @@ class Glued:
             return self._leading_into(name, within)
 
         self.worked(sources, work, back=True)
-        return CompositeSet(self, sources)
+        return CompositeSet.of_parts(self, sources)
 
     def _leading_into(self, name: str, within: Mapping[str, Zdd]) -> Iterable[str]:
         """The sections, of some, with a route into another."""

@@ -82,8 +82,11 @@ class Stage(Levels):
 
     def at(self, place: int) -> int | None:
         """The index in its local net of a place of the whole net; ``None`` where it has none."""
+        places = self.places
+        if isinstance(places, Moved):
+            return places.number_of(place)
         try:
-            return self.places.index(place)  # sections are many, and are asked of few places each
+            return places.index(place)  # sections are many, and are asked of few places each
         except ValueError:
             return None
 
@@ -178,17 +181,20 @@ class WholeNet:
         # What sections that run the same activities use lies in one place for all of them.
         self._used: dict[tuple[SectionType, Used], dict[Kind, array[int]]] = {}
         # Of those that are copies of one, only the first is looked for: the others lie as it does.
-        self._first: dict[tuple[SectionType, Stencil], tuple[Copy, dict[Kind, Sequence[int]]]] = {}
+        self._first: dict[tuple[SectionType, Stencil], tuple[Copy, dict[Kind, Lying]]] = {}
 
     def stage(self, section: Section, part: LocalPart, type_: SectionType) -> Stage:
         """A section of the mission with its type."""
         copy = None if self.copies is None else self.copies.by_section.get(section.name)
+        lie: Mapping[Kind, Sequence[int]]
         if copy is None:
             lie = self._lying(part, type_)
         else:
-            first, lie = self._first.setdefault((type_, copy.stencil), (copy, {}))
-            lie.update(self._lying(part, type_) if not lie else {})
-            lie = {k: Moved(lie[k], first.first(k), copy.first(k), copy.stencil.size(k)) for k in lie}
+            first, others = self._first.setdefault((type_, copy.stencil), (copy, {}))
+            if not others:
+                others |= {kind: Lying(row) for kind, row in self._lying(part, type_).items()}
+            size = copy.stencil.size
+            lie = {k: Moved(row, first.first(k), copy.first(k), size(k)) for k, row in others.items()}
         used = self._used[type_, part.used]
         return Stage(section.name, type_, part, routes_of(section), lie["places"], lie["transitions"], used)
 
@@ -272,11 +278,20 @@ class WholeNet:
         return places_of
 
 
+class Lying(list[int]):
+    """Where the nodes of a section lie of which others are copies."""
+
+    @cached_property
+    def numbers(self) -> Mapping[int, int]:
+        """By value, the first number with it."""
+        return {where: number for number, where in reversed([*enumerate(self)])}
+
+
 class Moved(Sequence[int]):
     """Where the nodes of a section lie that is a copy: its own as those of another copy, moved.
 
     Args:
-        other: Where those of the other copy lie.
+        other: Where those of the other copy lie; one object for all copies of it.
         theirs: The first number of that copy's own.
         first: That of this one's.
         size: How many there are.
@@ -284,8 +299,19 @@ class Moved(Sequence[int]):
 
     __slots__ = ("_end", "_moved", "_theirs", "other")
 
-    def __init__(self, other: Sequence[int], theirs: int, first: int, size: int) -> None:
+    def __init__(self, other: Lying, theirs: int, first: int, size: int) -> None:
         self.other, self._theirs, self._end, self._moved = other, theirs, theirs + size, first - theirs
+
+    @property
+    def own(self) -> tuple[int, int]:
+        """The first number of its own, and that after the last."""
+        return self._theirs + self._moved, self._end + self._moved
+
+    def number_of(self, where: int) -> int | None:
+        """The first number with a value; ``None`` where there is none."""
+        if self._theirs <= where - self._moved < self._end:
+            return self.other.numbers.get(where - self._moved)
+        return None if self._theirs <= where < self._end else self.other.numbers.get(where)
 
     @property
     def kept(self) -> Sequence[int]:
@@ -313,18 +339,13 @@ class Moved(Sequence[int]):
         return where + self._moved if self._theirs <= where < self._end else where
 
     def __contains__(self, where: object) -> bool:
-        try:
-            return isinstance(where, int) and self.index(where) >= 0
-        except ValueError:
-            return False
+        return isinstance(where, int) and self.number_of(where) is not None
 
     def index(self, where: int, start: int = 0, stop: int | None = None) -> int:
         """The first number with a value."""
-        if self._theirs <= where - self._moved < self._end:
-            return self.other.index(where - self._moved)
-        if self._theirs <= where < self._end:
+        if (number := self.number_of(where)) is None:
             raise ValueError(where)
-        return self.other.index(where)
+        return number
 
 
 def ends_of(mission_net: MissionNet) -> dict[str, int]:
