@@ -194,8 +194,16 @@ class Copies:
         Args:
             nominal: What is said, as the attribute of this name says it.
         """
-        every = self.objectives.items()
-        return {name for name, position in every if any(each.nominal == nominal for each in position.chain)}
+        return set(self._meant.get(nominal, ()))
+
+    @cached_property
+    def _meant(self) -> dict[str, set[str]]:
+        """By what authors say of blocks the objectives in these blocks."""
+        found: dict[str, set[str]] = {}
+        for name, position in self.objectives.items():
+            for each in position.chain:
+                found.setdefault(each.nominal, set()).add(name)
+        return found
 
     def told(self, names: Iterable[str], every: Iterable[str]) -> list[str]:
         """Names in a sentence; all copies of one, most of them, or all of one round are said together.

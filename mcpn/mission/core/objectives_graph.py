@@ -374,6 +374,8 @@ class ObjectivesGraph(Drawn, ValueRecord):
 
     def reachable(self) -> ObjectivesGraph:
         """The graph of the sections that routes from the entry reach; the others are kept apart."""
+        if len(self.sections) == 1:  # as in most branches
+            return self
         seen, stack = {self.entry}, [self.entry]
         while stack:
             section = self.section(stack.pop())
@@ -381,6 +383,8 @@ class ObjectivesGraph(Drawn, ValueRecord):
                 if target.name not in seen:
                     seen.add(target.name)
                     stack.append(target.name)
+        if len(seen) == len(self.sections):
+            return self
         reached = tuple(s for s in self.sections if s.name in seen)
         return ObjectivesGraph(reached, self.entry, tuple(s for s in self.sections if s.name not in seen))
 
