@@ -223,6 +223,22 @@ main()
     assert run.stdout.splitlines()[-1] == "the end"
 
 
+def test_garbage_is_not_searched_among_less_than_a_million_objects() -> None:
+    script = """
+import atexit, gc, sys
+searches = []
+gc.callbacks.append(lambda phase, info: searches.append(phase))
+atexit.register(lambda: print(len(searches), "searches"))
+import mcpn.cli.line
+mcpn.cli.line.run = lambda: len([[i] for i in range(900_000)]) and 0
+from mcpn.cli import main
+searches.clear()
+main()
+"""
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert run.stdout.splitlines()[-1] == "0 searches"
+
+
 def test_a_profiler_sees_the_end() -> None:
     command = [sys.executable, "-m", "cProfile", *COMMAND[1:], "--version"]
     run = subprocess.run(command, capture_output=True, text=True, check=True)
