@@ -10,7 +10,7 @@ Reference: T. Murata, Petri nets: properties, analysis and applications, Proc. I
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Generic
@@ -77,7 +77,9 @@ class Behaviour(Generic[S]):
     def all_live(self) -> bool:
         """Whether every transition is live; a deadlock or a transition that never fires soon refutes it."""
         fires = not self.deadlock and self.quasi_live == self.transitions
-        return not self.transitions or (fires and self.live == self.transitions)
+        # The first component in which some transition never fires refutes it: others are not looked for.
+        fire = (self.transitions <= {*self.space.firings(bottom)} for bottom in self._bottoms())
+        return not self.transitions or (fires and all(fire))
 
     @cached_property
     def _at_bottom(self) -> tuple[frozenset[int], int]:
@@ -86,18 +88,22 @@ class Behaviour(Generic[S]):
         One forward and one backward closure for each component; a net with a deadlock needs no more of them
         than tell whether there is a second.
         """
-        space, left = self.space, self.space.everything
-        live, home, components = frozenset() if self.deadlock else self.transitions, 0, 0
+        live, home = frozenset() if self.deadlock else self.transitions, 0
+        for number, bottom in enumerate(self._bottoms()):
+            home = 0 if number else bottom.count()
+            # In a component that is no deadlock every transition fires that is enabled somewhere in it.
+            live = live.intersection(self.space.firings(bottom))
+            if number and not live:
+                break
+        return live, home
+
+    def _bottoms(self) -> Iterator[S]:
+        """The bottom components, one after the other."""
+        left = self.space.everything
         while left:
             bottom = self._bottom(left)
-            components += 1
-            home = bottom.count() if components == 1 else 0
-            # In a component that is no deadlock every transition fires that is enabled somewhere in it.
-            live = live.intersection(space.firings(bottom))
-            if components > 1 and not live:
-                break
-            left = left - space.reaching(bottom)
-        return live, home
+            yield bottom
+            left = left - self.space.reaching(bottom)
 
     def _bottom(self, within: S) -> S:
         """A bottom component that some marking of a non-empty set leads to.

@@ -19,6 +19,8 @@ from mcpn.nets.petri import NetBuilder
 from mcpn.spaces.markings.graph import Mask, StateGraph
 
 Edges = list[tuple[int, int]]
+BITS = st.sampled_from([(0, 63), (0, 0), (1, 5)])
+"""A word, and a bit in it."""
 
 
 def listed(states: int, edges: Edges) -> StateGraph:
@@ -130,6 +132,18 @@ def test_sums_of_tokens_are_those_of_whole_numbers(data: st.DataObject) -> None:
         ways.append(bounds)
     expected = [any(all(total(row, g) <= most for g, most in way) for way in ways) for row in rows]
     assert _kernel.satisfying(markings, ways).tolist() == expected
+
+
+@given(st.lists(st.lists(st.tuples(BITS, st.sampled_from([-2, -1, 1, 2]), st.integers(-3, 3)), max_size=4)))
+def test_conditions_on_single_bits_hold_together(ways: list[list[tuple[tuple[int, int], int, int]]]) -> None:
+    """Also those that no state satisfies, or every one, or that are about one bit more than once."""
+    rows = [[first << 63 | second, third << 5] for first in (0, 1) for second in (0, 1) for third in (0, 1)]
+    asked = [[([(*bit, 1, weight)], most) for bit, weight, most in way] for way in ways]
+    expected = [
+        any(all(weight * (row[word] >> at & 1) <= most for (word, at), weight, most in way) for way in ways)
+        for row in rows
+    ]
+    assert _kernel.satisfying(np.array(rows, np.uint64), asked).tolist() == expected
 
 
 def test_a_long_way_to_and_fro_is_gone_to_its_end() -> None:

@@ -41,10 +41,33 @@ def test_behaviour_by_its_definitions(net: PetriNet) -> None:
         assert found.deadlock == any(not after for after in edges.values())
         assert found.quasi_live == fired[net.initial]
         assert found.live == {t for t in everything if all(t in later for later in fired.values())}
+        assert found.all_live == (found.live == {*everything})
         assert found.reversible == all(net.initial in later for later in from_each.values())
         assert found.home_markings == sum(all(m in later for later in from_each.values()) for m in edges)
         constant = {p for p in range(len(net.places)) if len({m[p] for m in edges}) == 1}
         assert found.constant_places == constant
+
+
+def test_one_component_that_lacks_a_transition_refutes_liveness() -> None:
+    builder = NetBuilder("choice")
+    for place in ("begin", *(f"{side}{n}" for side in "lmr" for n in (0, 1))):
+        builder.place(place, initial=int(place == "begin"))
+    for side in "lmr":
+        builder.transition(f"go_{side}", consume=["begin"], produce=[f"{side}0"])
+        for n in (0, 1):
+            builder.transition(f"turn_{side}{n}", consume=[f"{side}{n}"], produce=[f"{side}{1 - n}"])
+
+    class Looking(Behaviour[Any]):
+        looked = 0
+
+        def _bottom(self, within: Any) -> Any:
+            self.looked += 1
+            return super()._bottom(within)
+
+    found = Looking(ArraySpace(explore(builder.build())))
+    assert not found.all_live
+    assert found.looked == 1
+    assert found.live == frozenset()
 
 
 def test_nets_with_priorities_and_several_tokens_are_told_alike() -> None:

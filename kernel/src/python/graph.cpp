@@ -341,29 +341,60 @@ Array<std::int64_t> weigh(const Markings& markings, const Sum& sum) {
 
 using Bounds = std::vector<std::tuple<Sum, Wide>>;
 
+struct Bound { const Sum& sum; bool narrow; Wide most; };
+struct ReadBits { std::size_t word; std::uint64_t read, marked; };  // those that are read, and which of them are set
+
+// Conditions that hold together. Those on single bits are read together, a word at a time.
+struct Conditions {
+  std::vector<ReadBits> bits;
+  std::vector<Bound> bounds;
+  bool never = false;
+
+  void add(const Sum& sum, Wide most) {
+    if (sum.size() != 1 || std::get<2>(sum[0]) != 1) {
+      bounds.push_back({sum, is_narrow(sum), most});
+      return;
+    }
+    const auto& [word, shift, width, weight] = sum[0];
+    const bool unmarked = most >= 0, marked = most >= weight;  // whether it holds of either
+    if (unmarked && marked) return;
+    never = never || (!unmarked && !marked);
+    const auto same = [word = word](const ReadBits& known) { return known.word == word; };
+    auto known = std::find_if(bits.begin(), bits.end(), same);
+    if (known == bits.end()) known = bits.insert(bits.end(), {word, 0, 0});
+    const std::uint64_t bit = std::uint64_t(1) << shift, set = marked ? bit : 0;
+    never = never || ((known->read & bit) && (known->marked & bit) != set);
+    known->read |= bit;
+    known->marked |= set;
+  }
+
+  bool hold(const std::uint64_t* marking) const {
+    for (const ReadBits& each : bits)
+      if ((marking[each.word] & each.read) != each.marked) return false;
+    return std::all_of(bounds.begin(), bounds.end(), [&](const Bound& bound) {
+      if (bound.narrow) return weighed(marking, bound.sum) <= bound.most;
+      return weighed_far(marking, bound.sum) <= std::pair(bound.most >> 64, std::uint64_t(bound.most));
+    });
+  }
+};
+
 Array<bool> satisfying(const Markings& markings, const std::vector<Bounds>& alternatives) {
   for (const Bounds& all : alternatives)
     for (const auto& [sum, most] : all) check(markings, sum);
-  struct Bound { const Sum& sum; bool narrow; Wide most; };
-  std::vector<std::vector<Bound>> ways;
+  std::vector<Conditions> ways;
   for (const Bounds& all : alternatives) {
-    auto& way = ways.emplace_back();
-    for (const auto& [sum, most] : all) way.push_back({sum, is_narrow(sum), most});
+    Conditions way;
+    for (const auto& [sum, most] : all) way.add(sum, most);
+    if (!way.never) ways.push_back(std::move(way));
   }
   const std::uint64_t* marking = markings.data();
   Values<bool> found(markings.shape(0));
   {
     const nb::gil_scoped_release release;
-    const auto holds = [&](const std::vector<Bound>& way) {
-      return std::all_of(way.begin(), way.end(), [&](const Bound& bound) {
-        if (bound.narrow) return weighed(marking, bound.sum) <= bound.most;
-        return weighed_far(marking, bound.sum) <= std::pair(bound.most >> 64, std::uint64_t(bound.most));
-      });
-    };
     Signals signals;
     for (std::size_t s = 0; s < found.size; ++s, marking += markings.shape(1)) {
       signals.after(1 + ways.size());
-      for (std::size_t i = 0; i < ways.size() && !found[s]; ++i) found[s] = holds(ways[i]);
+      for (std::size_t i = 0; i < ways.size() && !found[s]; ++i) found[s] = ways[i].hold(marking);
     }
   }
   return found.array();
