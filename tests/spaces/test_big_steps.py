@@ -295,6 +295,26 @@ def test_producers_that_crash_are_a_sum() -> None:
     assert lengths[1] < lengths[0] * 8  # 5**count where the ways of each are multiplied
 
 
+def test_a_firing_walks_over_what_is_near(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Levels before those that firings touch are set aside: no image walks over all nodes above.
+
+    Evolution behind all events of eight producers that may crash fires about 700 transitions of one producer
+    after the other. It takes 356,000 steps of the store where each walks down from the root, and 90,000 here.
+    """
+    spent = []
+    together = big_steps._Reaching._after_together
+
+    def noting(reaching: Any, events: Any, states: Zdd) -> Zdd | None:
+        after = together(reaching, events, states)
+        spent.append(reaching._encoding.store.steps)
+        return after
+
+    monkeypatch.setattr(big_steps._Reaching, "_after_together", noting)
+    composite_space(composed(walls.crashing(8)))
+    assert len(spent) == 1
+    assert spent[0] < 150_000
+
+
 class Noting:
     """A kernel that notes of which firings functions are asked, and whether they are wide."""
 

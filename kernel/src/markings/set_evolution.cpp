@@ -57,9 +57,9 @@ std::optional<SetEvolution::Evolved> SetEvolution::after(Store& store, const std
   begin(store);
   Held at(store, 0), left(store, 0);
   for (const Start& start : starts) {
-    Held one(store, start.markings);
-    if (!fire(store, one, one, {start.event, {}})) return std::nullopt;
-    at = store.join(at, one);
+    Narrowed one(store, start.markings);
+    if (!fire(store, one, {start.event, {}})) return std::nullopt;
+    at = store.join(at, one.whole());
   }
   fired_.clear();
   const Held begun(store, at);
@@ -159,36 +159,38 @@ void SetEvolution::begin(Store& store) {
 // Runs markings on until none of them enables anything; notes those from which they cannot all be run so.
 bool SetEvolution::run(Store& store, Held& markings, Held& left) {
   const Held begun(store, markings);
+  Narrowed at(store, markings);
   while (!won_.empty()) {
     if (fired_.size() > kMostFirings) return false;
     if (store.stop || (store.asked_to_stop && store.asked_to_stop())) throw Interrupted();
     std::uint32_t end = ~std::uint32_t(0);
     for (const std::uint32_t t : won_) end = std::min(end, net_.rank_end_[t]);
-    const Went went = fire_first(store, markings, end);
+    const Went went = fire_first(store, at, end);
     if (went == Went::kUnsafe) return false;
     if (went != Went::kStuck) continue;
     Held stuck(store, 0);
     for (const std::uint32_t t : won_)
-      if (net_.rank_end_[t] == end && !step(store, t).never) stuck = store.join(stuck, store.filter(markings, step(store, t).enabled));
-    markings = store.minus(markings, stuck);
+      if (net_.rank_end_[t] == end && !step(store, t).never) stuck = store.join(stuck, store.filter(at.whole(), step(store, t).enabled));
+    at.become(store.minus(at.whole(), stuck));
     enabled_.assign(net_.firings_.size(), Enabled::kUnknown);
     for (std::size_t i = fired_.size(); i-- > 0;) stuck = undone(store, stuck, fired_[i]);
     left = store.join(left, store.meet(stuck, begun));
   }
+  markings = at.whole();
   return true;
 }
 
 // Fires a transition of the first rank of those that have won a token: one that may fire alone wherever it is enabled, or
 // else where it may. The newest comes first; what another one that is enabled leads to waits, once it is looked ahead.
-SetEvolution::Went SetEvolution::fire_first(Store& store, Held& markings, std::uint32_t end) {
-  if (fired_.size() >= next_look_) see_ahead(store, markings);
+SetEvolution::Went SetEvolution::fire_first(Store& store, Narrowed& at, std::uint32_t end) {
+  if (fired_.size() >= next_look_) see_ahead(store, at.whole());
   const auto forget = [&](std::uint32_t t) {
     std::erase(won_, t);
     has_won_[t / 64] &= ~(Word(1) << t % 64);
   };
   const auto waits = [&](std::uint32_t t) {
     return !ahead_.empty() && std::any_of(won_.begin(), won_.end(), [&](std::uint32_t u) {
-      return u != t && net_.rank_end_[u] == end && leads(u, t) && in_some(store, markings, u);
+      return u != t && net_.rank_end_[u] == end && leads(u, t) && in_some(store, at, u);
     });
   };
   Places crowded;  // of which some markings enable others beside them that they may clash with
@@ -198,35 +200,36 @@ SetEvolution::Went SetEvolution::fire_first(Store& store, Held& markings, std::u
       const Places asked(won_.rbegin(), won_.rend());
       for (const std::uint32_t t : asked) {
         if (net_.rank_end_[t] != end || has_bit(stubborn_.always().data(), t) != always) continue;
-        if (!in_some(store, markings, t)) {
+        if (!in_some(store, at, t)) {
           forget(t);
           continue;
         }
         any = true;
         if (waits(t) != waiting) continue;
-        if (always || others(store, markings, t).empty() || never_clashes(store, markings, t)) {
+        if (always || never_clashes(store, at, t)) {
           forget(t);
-          return fire(store, markings, markings, {t, {}}) ? Went::kOn : Went::kUnsafe;
+          return fire(store, at, {t, {}}) ? Went::kOn : Went::kUnsafe;
         }
         crowded.push_back(t);
       }
     }
   // In which markings one may fire alone takes longer to say: it is asked where none may in all.
   for (const std::uint32_t t : crowded) {
-    std::vector<Way> beside = others(store, markings, t);
-    const Held enabled(store, store.filter(markings, step(store, t).enabled));
+    std::vector<Way> beside = others(store, at.whole(), t);
+    const Held enabled(store, store.filter(at.whole(), step(store, t).enabled));
     not_alone(store, enabled, t, beside);
     const Held where(store, without(store, enabled, beside));
-    if (where) return fire(store, markings, where, {t, std::move(beside)}) ? Went::kOn : Went::kUnsafe;
+    if (where) return fire(store, at, {t, std::move(beside)}, where) ? Went::kOn : Went::kUnsafe;
   }
   return any ? Went::kStuck : Went::kEnd;
 }
 
 // Whether some of the markings enable a transition. What a firing leaves alone is enabled as it was.
-bool SetEvolution::in_some(Store& store, Node markings, std::uint32_t t) {
+bool SetEvolution::in_some(Store& store, Narrowed& at, std::uint32_t t) {
   if (enabled_[t] == Enabled::kUnknown) {
     const Step& asks = step(store, t);
-    enabled_[t] = !asks.never && store.meets(markings, asks.enabled) ? Enabled::kSome : Enabled::kNone;
+    const bool some = !asks.never && store.meets(at.covering(store.first_level(asks.enabled)), asks.enabled);
+    enabled_[t] = some ? Enabled::kSome : Enabled::kNone;
   }
   return enabled_[t] == Enabled::kSome;
 }
@@ -321,20 +324,20 @@ void SetEvolution::see_ahead(Store& store, Node markings) {
   });
 }
 
-// Fires a transition in those of some markings that enable it, which are all that do but for those beside which it may not
-// fire; false where that is unsafe in one, or leaves it enabled and it fires again.
-bool SetEvolution::fire(Store& store, Held& markings, Node where, Fired fired) {
+// Fires a transition in all markings that enable it, or in those of them beside which it may fire, if these are given; false
+// where that is unsafe in one, or leaves it enabled and it fires again.
+bool SetEvolution::fire(Store& store, Narrowed& at, Fired fired, Node where) {
   const std::uint32_t t = fired.t;
   const Step& does = step(store, t);
   if (does.unsafe || (net_.firings_[t].take.empty() && !net_.is_event(t))) return false;
   for (const std::uint32_t crowded : does.crowded)
-    if (store.meets(where, crowded)) return false;
+    if (store.meets(where == kAnything ? at.from(store.first_level(crowded)) : where, crowded)) return false;
   std::uint32_t event = does.fires;
   if (!fired.beside.empty()) {
     Relations one(kMostParts);
     event = one.suffix(store, fires(one, store, fired, false));
   }
-  markings = store.image(markings, event);
+  at.become(store.image(at.from(store.first_level(event)), event));
   fired_.push_back(std::move(fired));
   for (const std::vector<std::uint32_t>* touched : {&net_.winners_[t], &net_.losers_[t]})
     for (const std::uint32_t u : *touched) enabled_[u] = Enabled::kUnknown;
@@ -384,15 +387,28 @@ void SetEvolution::not_alone(Store& store, Node enabled, std::uint32_t t, std::v
   if (clashing && (clashing->empty() || without(store, enabled, *clashing))) others = std::move(*clashing);
 }
 
-// Whether a transition may fire alone in all of the markings that enable it, as far as that is found.
-bool SetEvolution::never_clashes(Store& store, Node markings, std::uint32_t t) {
-  const Held enabled(store, store.filter(markings, step(store, t).enabled));
+// Whether a transition may fire alone in all of the markings that enable it, as far as that is found. What is known of
+// levels that are there is asked first.
+bool SetEvolution::never_clashes(Store& store, Narrowed& at, std::uint32_t t) {
+  {
+    const Node here = at.from(store.first_level(step(store, t).enabled));
+    Held left(store, store.filter(here, step(store, t).enabled));
+    for (const std::uint32_t condition : step(store, t).alone) {
+      if (!left) break;
+      if (store.first_level(condition) < at.cut()) continue;
+      const Held alone(store, store.filter(left, condition));
+      left = store.minus(left, alone);
+    }
+    if (!left) return true;
+  }
+  if (others(store, at.whole(), t, 1).empty()) return true;
+  const Held enabled(store, store.filter(at.whole(), step(store, t).enabled));
   const std::optional<std::vector<Way>> first = clashing(store, enabled, t, false);
   return first && first->empty();
 }
 
 // What the others of its rank ask for that some of the markings enable beside it, but for those that take and put the same.
-std::vector<SetEvolution::Way> SetEvolution::others(Store& store, Node markings, std::uint32_t t) {
+std::vector<SetEvolution::Way> SetEvolution::others(Store& store, Node markings, std::uint32_t t, std::size_t most) {
   std::vector<Way> asked;
   for (const std::uint32_t u : won_) {
     if (u == t || net_.rank_end_[u] != net_.rank_end_[t] || stubborn_.alike(t, u) || enabled_[u] == Enabled::kNone ||
@@ -401,6 +417,7 @@ std::vector<SetEvolution::Way> SetEvolution::others(Store& store, Node markings,
     Way both = step(store, t).asked;
     both.insert(both.end(), step(store, u).asked.begin(), step(store, u).asked.end());
     if (sort(both) && store.meets(markings, suffix_of(store, both))) asked.push_back(step(store, u).asked);
+    if (asked.size() == most) break;
   }
   return asked;
 }

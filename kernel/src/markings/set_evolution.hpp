@@ -12,6 +12,7 @@
 #include "diagrams/relation.hpp"
 #include "diagrams/store.hpp"
 #include "markings/explorer.hpp"
+#include "markings/narrowed.hpp"
 #include "markings/set_clashes.hpp"
 #include "markings/stubborn.hpp"
 
@@ -76,16 +77,16 @@ class SetEvolution {
 
   bool run(Store& store, Held& markings, Held& left);
   std::optional<Table> function(Store& store, const Start& start, const Evolved& evolved, bool wide, std::size_t most);
-  Went fire_first(Store& store, Held& markings, std::uint32_t end);
-  bool in_some(Store& store, Node markings, std::uint32_t t);
+  Went fire_first(Store& store, Narrowed& at, std::uint32_t end);
+  bool in_some(Store& store, Narrowed& at, std::uint32_t t);
   void see_ahead(Store& store, Node markings);
   bool leads(std::uint32_t t, std::uint32_t u) const {
     return !ahead_.empty() && has_bit(ahead_.data() + t * ahead_words_, u);
   }
-  bool fire(Store& store, Held& markings, Node where, Fired fired);
+  bool fire(Store& store, Narrowed& at, Fired fired, Node where = kAnything);
   void not_alone(Store& store, Node enabled, std::uint32_t t, std::vector<Way>& others);
-  std::vector<Way> others(Store& store, Node markings, std::uint32_t t);
-  bool never_clashes(Store& store, Node markings, std::uint32_t t);
+  std::vector<Way> others(Store& store, Node markings, std::uint32_t t, std::size_t most = ~std::size_t(0));
+  bool never_clashes(Store& store, Narrowed& at, std::uint32_t t);
   std::optional<std::vector<Way>> clashing(Store& store, Node enabled, std::uint32_t t, bool all);
   Node without(Store& store, Node markings, const std::vector<Way>& conditions);
   // The function of an evolution, of all markings that its events made; kept for its other events.
