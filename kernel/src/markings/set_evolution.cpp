@@ -15,7 +15,6 @@ constexpr std::size_t kMostFirings = 100'000;  // behind one event
 constexpr std::uint32_t kOften = 4;            // of one transition: it is looked ahead from then on
 constexpr std::size_t kMostCases = 300;        // in which a transition may not fire alone
 constexpr std::size_t kWide = 4;               // so many parts of a function for each level are few
-constexpr std::size_t kAtATime = 16;           // functions that are composed before they are with those before them
 
 bool by_level(const Touched& a, const Touched& b) {
   return a.level != b.level ? a.level < b.level : a.touch < b.touch;
@@ -109,12 +108,28 @@ void SetEvolution::find(Store& store, const Evolved& evolved, bool wide, std::si
   behind.whole.reset();
   relations.clear(most);
   try {
-    Id whole = domain(relations, store, evolved.begun, wide), some = Relations::kSame;
-    for (std::size_t i = 0; i < evolved.fired.size(); ++i) {
-      some = relations.then(some, fires(relations, store, evolved.fired[i], false));
-      if ((i + 1) % kAtATime && i + 1 < evolved.fired.size()) continue;
-      whole = relations.then(whole, some);
-      some = Relations::kSame;
+    Id whole = domain(relations, store, evolved.begun, wide);
+    // To compose with the whole takes as long for many firings of a few levels as for one. So they are composed with each
+    // other before, as many with as many, until that has made as many parts as the last time with the whole.
+    std::vector<std::pair<Id, std::size_t>> some;  // and of how many firings
+    const auto compose = [&](std::size_t least) {
+      while (some.size() > 1 && some[some.size() - 2].second <= std::max(least, some.back().second)) {
+        const auto [last, count] = some.back();
+        some.pop_back();
+        some.back() = {relations.then(some.back().first, last), some.back().second + count};
+      }
+    };
+    std::size_t with_whole = relations.size(), since = relations.size();
+    for (const Fired& fired : evolved.fired) {
+      some.emplace_back(fires(relations, store, fired, false), 1);
+      compose(0);
+      if (relations.size() - since < with_whole && &fired != &evolved.fired.back()) continue;
+      compose(evolved.fired.size());
+      since = relations.size();
+      whole = relations.then(whole, some.back().first);
+      some.clear();
+      with_whole = relations.size() - since;
+      since = relations.size();
     }
     const Table kept = relations.table(whole);  // the parts of what it was composed of are many times as many
     relations.clear(kMostParts);
