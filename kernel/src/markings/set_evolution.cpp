@@ -108,29 +108,20 @@ void SetEvolution::find(Store& store, const Evolved& evolved, bool wide, std::si
   behind.whole.reset();
   relations.clear(most);
   try {
-    Id whole = domain(relations, store, evolved.begun, wide);
-    // To compose with the whole takes as long for many firings of a few levels as for one. So they are composed with each
-    // other before, as many with as many, until that has made as many parts as the last time with the whole.
-    std::vector<std::pair<Id, std::size_t>> some;  // and of how many firings
-    const auto compose = [&](std::size_t least) {
-      while (some.size() > 1 && some[some.size() - 2].second <= std::max(least, some.back().second)) {
-        const auto [last, count] = some.back();
-        some.pop_back();
-        some.back() = {relations.then(some.back().first, last), some.back().second + count};
-      }
-    };
+    Id whole = domain(relations, store, evolved.begun, wide), some = Relations::kSame;
+    // To compose with the whole takes as long for many firings of a few levels as for one: they are composed with each
+    // other before, until that has made as many parts as the last time with the whole.
     std::size_t with_whole = relations.size(), since = relations.size();
     for (const Fired& fired : evolved.fired) {
-      some.emplace_back(fires(relations, store, fired, false), 1);
-      compose(0);
-      if (relations.size() - since < with_whole && &fired != &evolved.fired.back()) continue;
-      compose(evolved.fired.size());
+      some = relations.then(some, fires(relations, store, fired, false));
+      if (relations.size() - since < with_whole) continue;
       since = relations.size();
-      whole = relations.then(whole, some.back().first);
-      some.clear();
+      whole = relations.then(whole, some);
+      some = Relations::kSame;
       with_whole = relations.size() - since;
       since = relations.size();
     }
+    whole = relations.then(whole, some);
     const Table kept = relations.table(whole);  // the parts of what it was composed of are many times as many
     relations.clear(kMostParts);
     behind.whole = whole == Relations::kNever ? whole : relations.from_table(kept, [](Touch touch) { return touch; });
