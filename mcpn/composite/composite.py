@@ -5,17 +5,21 @@ A set of states is a diagram for each section; places and transitions are those 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from functools import partial, reduce
+from operator import or_
+from typing import TypeVar
 
 from mcpn._kernel import Zdd
 from mcpn.composite.filters import Filter
 from mcpn.composite.glued import CompositeSet, Glued, Member, SectionSets
-from mcpn.composite.sections import NOWHERE
+from mcpn.composite.sections import NOWHERE, Moved, Stage
 from mcpn.nets.petri import Marking
 from mcpn.spaces.algebra import Edge, Guards, Piece
 from mcpn.spaces.by_steps import layers_back
 from mcpn.spaces.projections import ImageStore
+
+Found = TypeVar("Found")
 
 
 class TwoOutcomes(Exception):
@@ -40,8 +44,12 @@ class CompositeSpace(Glued):
         """States that mark at least one of some places."""
         sets, parts = SectionSets(), self.everything.parts
         for place in places:
-            anywhere = self.layout.idle[place] or place in self.layout.status
-            for name in parts if anywhere else self.holders("places", place):
+            if self.layout.idle[place] or place in self.layout.status:
+                marking = partial(Stage.marking, place=place)
+                for name, part in self._alike(parts, [place], marking):
+                    sets.add(name, part)
+                continue
+            for name in self.holders("places", place):
                 if name in parts:
                     sets.add(name, self.stages[name].marking(parts[name], place))
         return CompositeSet(self, sets)
@@ -50,8 +58,28 @@ class CompositeSpace(Glued):
         self, states: CompositeSet, marked: Collection[int], unmarked: Collection[int]
     ) -> CompositeSet:
         """Those of some states that mark all of some places, and none of others."""
-        parts = states.parts.items()
-        return CompositeSet(self, {n: self.stages[n].restricted(part, marked, unmarked) for n, part in parts})
+        places = [*marked, *unmarked]
+        found = self._alike(states.parts, places, lambda s, part: s.restricted(part, marked, unmarked))
+        return CompositeSet(self, dict(found))
+
+    def _alike(
+        self, parts: Mapping[str, Zdd], places: Collection[int], of: Callable[[Stage, Zdd], Found]
+    ) -> Iterator[tuple[str, Found]]:
+        """By section what is asked of its states and some places: once for copies with these states.
+
+        Copies of one lie alike to places that are none of their own.
+        """
+        least, most = min(places, default=0), max(places, default=-1)
+        found = dict[tuple[int, int, Zdd], Found]()
+        for name, part in parts.items():
+            stage = self.stages[name]
+            if not isinstance(row := stage.places, Moved) or (row.own[0] <= most and least < row.own[1]):
+                yield name, of(stage, part)
+                continue
+            key = id(row.other), id(stage.carried), part
+            if key not in found:
+                found[key] = of(stage, part)
+            yield name, found[key]
 
     def varying(self, states: CompositeSet) -> Collection[int]:
         """Places of the sections that these states are of, but for those of hardware and of the mission."""
@@ -60,16 +88,19 @@ class CompositeSpace(Glued):
 
     def at_most(self, weights: Mapping[int, int], bound: int) -> CompositeSet:
         """States whose weighted sum of tokens is at most a bound."""
-        parts = self.everything.parts.items()
-        return CompositeSet(self, {n: self.stages[n].at_most(part, weights, bound) for n, part in parts})
+        parts = self.everything.parts
+        return CompositeSet(
+            self, dict(self._alike(parts, weights, lambda s, part: s.at_most(part, weights, bound)))
+        )
 
     def image(self, states: CompositeSet, places: Sequence[int], images: ImageStore) -> Zdd:
         """How some states mark some places; see :meth:`mcpn.spaces.algebra.Space.image`."""
-        projection = images.nothing
-        for name, part in states.parts.items():
-            bits = [self.stages[name].bit(place) for place in places]
-            projection |= images.of_diagram(part, self.layout.store, bits)
-        return projection
+
+        def of(stage: Stage, part: Zdd) -> Zdd:
+            return images.of_diagram(part, self.layout.store, [stage.bit(place) for place in places])
+
+        each = dict.fromkeys(image for _, image in self._alike(states.parts, places, of))
+        return reduce(or_, each, images.nothing)
 
     def pieces(self, states: CompositeSet) -> Iterator[Piece[CompositeSet]]:
         """The states, section by section."""

@@ -1,7 +1,7 @@
 """Which edges sections may take, of a choice of transitions of the whole net: found once for sections alike.
 
 Sections that are copies of one lie alike in the net of the whole but for a range of transitions of their own.
-Most choices hold all of such a range, or nothing of it; then they are the same for all these copies.
+Most choices hold the same ones of each range; then they are the same for all these copies.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from array import array
 from bisect import bisect_left
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cached_property
-from typing import TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 from mcpn.composite.section_type import ALL, Allowed, SectionType
 from mcpn.composite.sections import NOWHERE, Moved, Stage
@@ -18,11 +18,10 @@ from mcpn.drawing.sections import Used
 from mcpn.spaces.algebra import Without
 from mcpn.spaces.memoized import ByKey, memoized
 
+Found = TypeVar("Found")
+
 Filter: TypeAlias = Callable[[str], Allowed]
 """By section, what its edges may carry."""
-
-Divided: TypeAlias = tuple[frozenset[int], Sequence[int]]
-"""Some events of a local net, and all those of the section's control."""
 
 
 class Filters:
@@ -38,14 +37,16 @@ class Filters:
         self, stages: Mapping[str, Stage], carrying: frozenset[int], toggles: Collection[int]
     ) -> None:
         self.stages, self.carrying, self.toggles = stages, carrying, toggles
+        # By what is asked, where the section lies, and which of its own are chosen, and no others.
+        self._of_own: dict[object, Any] = {}
 
     def unguarded(self, transitions: Collection[int] | None) -> Filter:
         """What edges may carry, as each section sees it, of some transitions or of all."""
         if transitions is None:
             return lambda name: ALL
         if not isinstance(transitions, Without):
-            return self._wanted[frozenset(transitions)]
-        known, few = self._wanted[transitions.many], transitions.few
+            return self._of(frozenset(transitions))
+        known, few = self._of(transitions.many), transitions.few
         if not few:
             return known
 
@@ -55,40 +56,58 @@ class Filters:
             left = local and local.difference([i for i in carrying if own[i] in few])
             return Allowed(left, beside and beside - few)
 
-        return self._shared(few, of, known)
+        return self._shared("without", few, of, known)
+
+    def guarded(self, transitions: Collection[int]) -> Callable[[str], Sequence[int]]:
+        """By section, which of its local net's events some transitions are."""
+
+        def of(name: str) -> Sequence[int]:
+            own = [*self.stages[name].transitions]
+            return [i for i in self.stages[name].type.carrying if own[i] in transitions]
+
+        return self._shared("guarded", transitions, of)
+
+    def _of(self, wanted: frozenset[int]) -> Filter:
+        """What edges may carry, kept for choices that may hold some of each section."""
+        return self._wanted[wanted] if len(wanted) > len(self.stages) else self._made(wanted)
 
     @cached_property
     def _wanted(self) -> Mapping[frozenset[int], Filter]:
-        """By transitions what edges may carry, as each section sees it."""
+        return ByKey(self._made)
 
-        def filter_(wanted: frozenset[int]) -> Filter:
-            beside = wanted.intersection(self.toggles)
+    def _made(self, wanted: frozenset[int]) -> Filter:
+        beside = wanted.intersection(self.toggles)
 
-            def of(name: str) -> Allowed:
-                stage = self.stages[name]
-                used, control = self._of_used[wanted, stage.type, stage.part.used]
-                lie = [*stage.transitions]
-                own = [i for i in control if lie[i] in wanted]
-                return self._once(Allowed(used.union(own), beside))
+        def divided(key: tuple[SectionType, Used]) -> frozenset[int]:
+            used = self._lists[key]
+            return frozenset([i for i in key[0].carrying if used[i] in wanted])
 
-            return self._shared(wanted, of)
+        of_used = ByKey(divided)
 
-        return ByKey(filter_)
+        def of(name: str) -> Allowed:
+            stage = self.stages[name]
+            used, control = of_used[stage.type, stage.part.used], self._control[stage.type, stage.part.used]
+            lie = [*stage.transitions]
+            return self._once(Allowed(used.union([i for i in control if lie[i] in wanted]), beside))
 
-    def _shared(self, chosen: frozenset[int], of: Filter, before: Filter | None = None) -> Filter:
-        """A filter that is asked once for copies that lie alike to some transitions, and to one before."""
-        ordered = array("i", sorted(chosen & self.carrying))
-        found = dict[tuple[int, int, Allowed | None, bool], Allowed]()
+        return self._shared("wanted", wanted, of)
 
-        def shared(name: str) -> Allowed:
+    def _shared(
+        self, asked: str, chosen: Collection[int], of: Callable[[str], Found], before: Filter | None = None
+    ) -> Callable[[str], Found]:
+        """What is asked once for copies that lie alike to some transitions, and to a filter before."""
+        ordered = array("i", sorted(self.carrying.intersection(chosen)))
+        others = dict[object, Found]()
+
+        def shared(name: str) -> Found:
             stage = self.stages[name]
             if not isinstance(row := stage.transitions, Moved):
                 return of(name)
             begin, end = row.own
-            held = bisect_left(ordered, end) - bisect_left(ordered, begin)
-            if held and held != self._carrying_of[id(row.other)]:
-                return of(name)
-            key = id(row.other), id(stage.used), before and before(name), bool(held)
+            first = bisect_left(ordered, begin)
+            own = tuple([t - begin for t in ordered[first : bisect_left(ordered, end, first)]])
+            found: dict[object, Found] = self._of_own if len(own) == len(chosen) else others
+            key = asked, id(row.other), id(stage.used), before and before(name), own
             if key not in found:
                 found[key] = of(name)
             return found[key]
@@ -96,26 +115,15 @@ class Filters:
         return ByKey(shared).__getitem__
 
     @cached_property
-    def _carrying_of(self) -> Mapping[int, int]:
-        """By what copies are copied from, how many of the transitions of each carry an event."""
-        rows = {
-            id(s.transitions.other): s.transitions
-            for s in self.stages.values()
-            if isinstance(s.transitions, Moved)
-        }
-        return {number: sum(t in self.carrying for t in range(*row.own)) for number, row in rows.items()}
+    def _lists(self) -> Mapping[tuple[SectionType, Used], Sequence[int]]:
+        """By what stages use, where its events lie."""
+        return {(s.type, s.part.used): s.used["transitions"] for s in self.stages.values()}
 
     @cached_property
-    def _of_used(self) -> Mapping[tuple[frozenset[int], SectionType, Used], Divided]:
-        """By transitions: events of what stages use, in their local net, and those of their control."""
-        lists = {(s.type, s.part.used): s.used["transitions"] for s in self.stages.values()}
-
-        def divided(key: tuple[frozenset[int], SectionType, Used]) -> Divided:
-            wanted, used, carrying = key[0], lists[key[1:]], key[1].carrying
-            chosen = frozenset([i for i in carrying if used[i] in wanted])
-            return chosen, [i for i in carrying if used[i] == NOWHERE]
-
-        return ByKey(divided)
+    def _control(self) -> Mapping[tuple[SectionType, Used], Sequence[int]]:
+        """By what stages use, the events of their control, in their local net."""
+        lists = self._lists.items()
+        return {key: [i for i in key[0].carrying if used[i] == NOWHERE] for key, used in lists}
 
     @memoized
     def _once(self, allowed: Allowed) -> Allowed:

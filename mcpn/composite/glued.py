@@ -168,11 +168,11 @@ class Glued:
         if not limits:
             return known
 
+        taken = self._filters.guarded(limits)
+
         def of(name: str) -> Allowed:
-            own, (local, beside, _) = [*self.stages[name].transitions], known(name)
-            carrying = self.stages[name].type.carrying
-            guarded = [(i, limits[own[i]].of(name)) for i in carrying if own[i] in limits]
-            return Allowed(local, beside, tuple(guarded))
+            own, (local, beside, _) = self.stages[name].transitions, known(name)
+            return Allowed(local, beside, tuple([(i, limits[own[i]].of(name)) for i in taken(name)]))
 
         return ByKey(of).__getitem__
 

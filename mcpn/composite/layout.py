@@ -66,8 +66,13 @@ class Layout:
         return [flag.element for flag in every if flag.element in told]
 
     def carried(self, part: LocalPart) -> tuple[Element, ...]:
-        """The flags of what has a status in a part of the mission, element by element."""
-        return tuple(flag for status in part.statuses for flag in self.flags_of(status.element))
+        """The flags of what has a status in a part of the mission: one object where they are equal."""
+        return self._once(tuple([f for status in part.statuses for f in self.flags_of(status.element)]))
+
+    @memoized
+    def _once(self, flags: tuple[Element, ...]) -> tuple[Element, ...]:
+        """One object for equal ones (interning)."""
+        return flags
 
     def _standing(self) -> list[str]:
         """The order in which slots of hardware stand: where some of it is a crash or a common cause, by use.

@@ -124,6 +124,18 @@ class SectionType:
         return self.inside & self.graph.before(goal, *allowed.own)
 
     @memoized
+    def forth(self, part: Zdd, allowed: Allowed, own: tuple[Element, ...]) -> Zdd:
+        """States inside one event after some of them: of the section, or of hardware beside it."""
+        toggled = part.images([toggle.event for toggle in self.layout.toggling(allowed.beside, own)])
+        return (self.after(part, allowed) & self.inside) | toggled
+
+    @memoized
+    def backward(self, part: Zdd, allowed: Allowed, own: tuple[Element, ...]) -> Zdd:
+        """States inside one event before some of them: of the section, or of hardware beside it."""
+        toggled = part.images([toggle.undo for toggle in self.layout.toggling(allowed.beside, own)])
+        return self.before_step(part, allowed) | toggled
+
+    @memoized
     def enabling(self, states: Zdd, allowed: Allowed, own: tuple[Element, ...]) -> Zdd:
         """Those of some states inside with an event: of the section, or of hardware beside it."""
         beside = [toggle.condition for toggle in self.layout.toggling(allowed.beside, own)]

@@ -156,13 +156,11 @@ class Stage(Levels):
 
     def forth(self, part: Zdd, allowed: Allowed) -> Zdd:
         """States one event after some states: an event of its own or of hardware beside it."""
-        toggled = part.images([toggle.event for toggle in self.toggling(allowed)])
-        return (self.type.after(part, allowed) & self.type.inside) | toggled
+        return self.type.forth(part, allowed, self.carried)
 
     def back(self, part: Zdd, allowed: Allowed, within: Zdd) -> Zdd:
         """States of a set one event before some states: an event of its own or of hardware beside it."""
-        toggled = part.images([toggle.undo for toggle in self.toggling(allowed)])
-        return (self.type.before_step(part, allowed) | toggled) & within
+        return self.type.backward(part, allowed, self.carried) & within
 
 
 class WholeNet:

@@ -51,8 +51,9 @@ class EventIndex:
 
     def of_element(self, what: What, element: str) -> tuple[int, ...]:
         """The transitions by which something happens to an element, for whatever reason."""
-        reasons = self._reasons.get(element, ()) if what is What.FAILURE else ()
-        return self.of(Event(what, element), *reasons)
+        if what is What.FAILURE and (reasons := self._reasons.get(element)):
+            return self.of(Event(what, element), *reasons)
+        return tuple(self._by_event.get(Event(what, element), ()))
 
     @property
     def pairs(self) -> Sequence[tuple[int, Event]]:

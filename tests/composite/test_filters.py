@@ -80,3 +80,13 @@ def test_where_a_place_lies_in_a_copy_is_found_by_its_number(space: CompositeSpa
             expected = listed.index(place) if place in listed else None
             assert stage.at(place) == expected
             assert (place in stage.places) == (expected is not None)
+
+
+def test_choices_of_one_section_alone_are_not_kept(space: CompositeSpace) -> None:
+    sets = [frozenset(space.net.events.of_element(What.SUCCESS, f"do{site}_1")) for site in range(6)]
+    assert all(0 < len(each) <= len(space.stages) for each in sets)
+    kept = len(space._filters._wanted)
+    for site, each in enumerate(sets):
+        assert len(space.filtered(each)(f"at{site}").local or ()) == 1
+    assert len(space._filters._wanted) == kept
+    assert len({space.filtered(each)(f"at{site}") for site, each in enumerate(sets)}) == 1
