@@ -79,6 +79,7 @@ class Known:
         self.bounds: Sequence[float] = [inf] * len(net.places)
         self._facts: Facts | None = None
         self._simple: dict[Formula, Formula] = {}
+        self._goals: dict[Formula, Goal | None] = {}
 
     def believe(self, facts: Facts) -> None:
         """Puts in what is true of the net as a whole: formulas are simplified anew."""
@@ -125,15 +126,15 @@ class Known:
                 never = self.values.get(SOME_DEADLOCK) is False or (home and self.net.enabled(home.marking))
                 return False if never else None
             case EU((And(()), operand)) if home:
-                goal = as_goal(operand, self.net)
+                goal = self.as_goal(operand)
                 if goal is not None and holds(goal, self.net, home.marking):
                     return True
                 return self.values.get(part) if self.reversible else None
             case Until((And(()), operand)) if home and home.ends:
-                goal = as_goal(operand, self.net)
+                goal = self.as_goal(operand)
                 return True if goal is not None and holds(goal, self.net, home.marking) else None
             case EG((operand,)) | Release((Or(()), operand)) if home and home.ends:
-                goal = as_goal(operand, self.net)
+                goal = self.as_goal(operand)
                 return None if goal is None or holds(goal, self.net, home.marking) else False
         return self._facts.always(part)
 
@@ -161,23 +162,25 @@ class Known:
         def value(part: Formula) -> bool | None:
             if marking is None and part in self.values:
                 return self.values[part]
-            goal = as_goal(part, self.net)
+            goal = self.as_goal(part)
             return None if goal is None else holds(goal, self.net, marking or self.initial)
 
         return at_first(self.simple(formula), value)
+
+    def as_goal(self, formula: Formula) -> Goal | None:
+        """What :func:`mcpn.spaces.search.goal.as_goal` makes of a formula, once."""
+        if formula not in self._goals:
+            self._goals[formula] = as_goal(formula, self.net)
+        return self._goals[formula]
 
     def goal(self, part: Formula) -> Goal | None:
         """The markings that a search looks for where a part is ``EF f`` and needs no more; else ``None``."""
         match part:
             case EU((And(()), inside)):
-                goal = as_goal(inside, self.net)
+                goal = self.as_goal(inside)
                 # A dead marking is stable; of other goals only the stable markings count.
                 unrestricted = goal is None or goal == DEADLOCK or not self.settled
-                return (
-                    goal
-                    if unrestricted
-                    else as_goal(And(inside, none_more_urgent(self.net, EVENTS)), self.net)
-                )
+                return goal if unrestricted else self.as_goal(And(inside, none_more_urgent(self.net, EVENTS)))
         return None
 
     def beginning(self, names: Names) -> Witness:

@@ -85,12 +85,20 @@ class Stable(Formula):
 
 @dataclass(frozen=True, init=False)
 class Operator(Formula):
-    """An operator and its operands."""
+    """An operator and its operands; its hash is computed once, since formulas are keys again and again."""
 
     operands: tuple[Formula, ...]
 
     def __init__(self, *operands: Formula) -> None:
         object.__setattr__(self, "operands", operands)
+        object.__setattr__(self, "_hash", hash((operands,)))
+
+    def __hash__(self) -> int:
+        hashed: int = self.__dict__["_hash"]
+        return hashed
+
+    def __reduce__(self) -> tuple[type[Operator], tuple[Formula, ...]]:
+        return type(self), self.operands  # hashes of another process may differ
 
 
 class Not(Operator):
