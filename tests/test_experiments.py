@@ -21,6 +21,7 @@ LIBRARIES = {
     "faults/campaigns",
     "faults/golden_meaning",
     "faults/golden_play",
+    "faults/golden_trees",
     "faults/seeded_list",
     "faults/seeded_missions",
     "nets/dd_engine",

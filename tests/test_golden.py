@@ -11,6 +11,7 @@ import pytest
 
 from experiments.faults import golden
 from experiments.faults.golden_meaning import PURPOSE, expected
+from experiments.faults.golden_trees import fault_tree
 from mcpn.robot.runtime.file_schema import digest_of
 from tests.conftest import ROOT
 
@@ -100,3 +101,23 @@ def test_what_differs_on_purpose_is_in_the_changelog() -> None:
     assert len(renamed) + len(purposes) == PURPOSE.read_text().count("\npage = ")
     for page in (*(each.page for each in renamed), *(each.page for each in purposes)):
         assert " ".join(page.split()) in told
+
+
+TREE = """<opsa-mef><define-fault-tree name="t">
+<define-gate name="lost"><or><gate name="one"/>
+  <and><basic-event name="b"/><basic-event name="c"/></and></or></define-gate>
+<define-gate name="one"><atleast min="2">
+  <basic-event name="a"/><basic-event name="b"/><constant value="true"/></atleast></define-gate>
+</define-fault-tree><model-data>
+<define-basic-event name="a"><label>x</label><float value="0.5"/></define-basic-event>
+</model-data></opsa-mef>"""
+
+
+def test_fault_trees_are_compared_by_their_minimal_sets(tmp_path: Path) -> None:
+    """A set that holds another is none, and how gates are cut up does not count."""
+    (tmp_path / "openpsa.xml").write_text(TREE)
+    told = {"gate one": [["a"], ["b"]], "gate lost": [["a"], ["b"]], "event a": "float 0.5"}
+    assert fault_tree(tmp_path / "openpsa.xml") == told
+    (tmp_path / "openpsa.xml").write_text(TREE.replace('min="2"', 'min="3"').replace("0.5", "0.6"))
+    told = {"gate one": [["a", "b"]], "gate lost": [["a", "b"], ["b", "c"]], "event a": "float 0.6"}
+    assert fault_tree(tmp_path / "openpsa.xml") == told

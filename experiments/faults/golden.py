@@ -9,11 +9,12 @@ others later. Older code answers by this file too: ``PYTHONPATH=OLD python .../g
 
 What is compared by text: exit codes, what is printed, JSON (all its places, numbers to 1e-9; objects may have
 more keys than before), tables row by row. By meaning: controllers, which are played on the same random events
-in every form, in C, Python and the runtime (``golden_play.py``; numbers of states may change), and sentences
-and names that ``golden_purpose.toml`` says are others now. That file also has the places that differ on
-purpose, each with the words of the changelog that say so. A command that takes more CPU seconds than
-``--seconds`` leaves no answer and is not compared; nor are seconds, versions and folders. With the defaults
-answers take about an hour of one core, comparing some fifteen minutes.
+in every form, in C, Python and the runtime (``golden_play.py``; numbers of states may change); fault trees,
+by the minimal sets of their gates (``golden_trees.py``); sentences and names that are others now. Those, and
+the places that differ on purpose, stand in ``golden_purpose.toml``, each with the words of the changelog that
+say so. A command that takes more CPU seconds than ``--seconds`` leaves no answer and is not compared; nor
+are seconds, versions and folders. With the defaults answers take two hours of one core, comparing half an
+hour.
 """
 
 from __future__ import annotations

@@ -12,13 +12,15 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from experiments.faults.golden_trees import fault_tree
+
 PURPOSE = Path(__file__).with_name("golden_purpose.toml")
 VOLATILE = {"seconds", "version", "memory", "digest", "nodes", "peak", "peak_nodes", "order", "generator"}
 """Keys of JSON objects whose values are no answers."""
 UNTOLD = re.compile(r"\d+(\.\d+)? (s|ms|seconds)\b|/\S+/|TIME\S*|TECHNIQUES.*|\d{4}-\d\d-\d\dT\S+")
 """Words of texts that are no answers: times and folders."""
-PLAYED = re.compile(r"(^|/)(controller|openpsa\.xml$)")
-"""Files whose text may change while what they do does not: ``golden_play.py`` plays controllers."""
+PLAYED = re.compile(r"(^|/)controller/")
+"""Files whose text may change while what they do does not: ``golden_play.py`` plays them."""
 NEAR = 1e-9
 """Numbers that differ by less, relative to the larger, are equal."""
 
@@ -134,7 +136,7 @@ def plain(value: Any) -> Any:
 
 
 def read(file: Path, renamed: Sequence[Renamed] = ()) -> Any:
-    """What a file says: a JSON value, the rows of a table by their keys, or lines of text.
+    """What a file says: a JSON value, a fault tree, the rows of a table by their keys, or lines of text.
 
     Args:
         file: The file.
@@ -146,6 +148,8 @@ def read(file: Path, renamed: Sequence[Renamed] = ()) -> Any:
             return said(plain(json.loads(text)), words)
         except ValueError:
             pass
+    if file.name == "openpsa.xml":
+        return fault_tree(file)
     if file.suffix == ".csv":
         rows = csv.DictReader(text.splitlines())
         return [{key: _alternatives(said(cell, words)) for key, cell in row.items()} for row in rows]
