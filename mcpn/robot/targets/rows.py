@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from operator import mod
 from typing import Any, overload
 
 AT_ONCE = 256
@@ -71,10 +72,14 @@ class Rows(Sequence[dict[str, Any]]):
 
         forms = [form(shared) for shared in self._shared]
         columns = [self._columns[key] for key in keys if key in self._columns]
+        numbers = [{*map(type, column)} <= {int} for column in columns]  # which have no need of encoding
         yield "["
         for begin in range(0, len(self), AT_ONCE):
             some = slice(begin, begin + AT_ONCE)
-            gaps = ([v if isinstance(v, int) else encode(v) for v in column[some]] for column in columns)
-            rows = zip(self._kinds[some], zip(*gaps, strict=True), strict=True)
-            yield (comma if begin else "") + comma.join([forms[kind] % row for kind, row in rows])
+            gaps = [
+                column[some] if plain else [v if isinstance(v, int) else encode(v) for v in column[some]]
+                for column, plain in zip(columns, numbers, strict=True)
+            ]
+            kinds = map(forms.__getitem__, self._kinds[some])
+            yield (comma if begin else "") + comma.join(map(mod, kinds, zip(*gaps, strict=True)))
         yield "]"
