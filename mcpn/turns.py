@@ -19,6 +19,8 @@ Pausing: TypeAlias = Generator[None, None, Made]
 
 FIRST_SLICE, PATIENCE = 0.1, 2
 """Seconds of a first slice, and how many times as long as who is next in turn work may stay silent."""
+NEAR = 3
+"""How many times as long whatever has all that it needs may stay silent."""
 FORGIVEN = 0.5
 """The share of its silence that work keeps when it has told something, but for that of earlier slices."""
 
@@ -39,6 +41,7 @@ def in_turns(
     *,
     first: float = FIRST_SLICE,
     whole: Iterator[Told | None] | None = None,
+    near: Callable[[], bool] = lambda: False,
 ) -> Iterator[Told | None]:
     """What several kinds of work tell and when they pause, until all have ended.
 
@@ -52,20 +55,24 @@ def in_turns(
         first: Seconds of a first slice.
         whole: One of them that tells nothing for long, and then all: it may be silent for as long as all the
             others together, and for twice a first slice at first.
+        near: Whether that one has all that it needs to tell: it may then be silent for three times as long.
 
     >>> list(filter(None, in_turns([iter([1, None, 2, None, 3]), iter("ab")], lambda: False, first=1e9)))
     [1, 2, 3, 'a', 'b']
     """
     silent = dict.fromkeys(map(iter, ways), 0.0)
-    together = max(len(silent) - 1, 1)
+    others = max(len(silent) - 1, 1)
+
+    def together() -> int:
+        return others * (NEAR if near() else 1)
 
     def counted(way: Iterator[Told | None]) -> float:
-        return silent[way] / (together if way is whole else 1)
+        return silent[way] / (together() if way is whole else 1)
 
     while silent and not over():
         way = min(silent, key=counted)
         least = min((counted(other) for other in silent if other is not way), default=inf)
-        until = max(2 * first, together * least) if way is whole else max(first, PATIENCE * least)
+        until = max(2 * first, together() * least) if way is whole else max(first, PATIENCE * least)
         before = silent[way]
         while not over():
             begun = time.process_time()

@@ -52,6 +52,16 @@ def test_what_answers_all_at_its_end_has_as_much_time_as_all_others_together(clo
     assert max(others) <= 2.1 * min(others)
 
 
+def test_what_has_all_that_it_needs_has_three_times_as_much(clock: Clock) -> None:
+    ways = [clock.work(name, 0.01, 100_000) for name in "abc"]
+    for _ in in_turns(ways, lambda: clock.now > 60, whole=ways[1], near=lambda: clock.now > 20):
+        if clock.now <= 20:
+            begun = dict(clock.spent)
+    since = {name: clock.spent[name] - begun[name] for name in "abc"}
+    assert begun["b"] <= 2 * (begun["a"] + begun["c"])
+    assert since["b"] >= 2.5 * (since["a"] + since["c"])
+
+
 def test_who_has_told_something_long_ago_waits_as_others_do(clock: Clock) -> None:
     """Ten answers at the beginning do not pay for a minute of silence."""
 

@@ -163,7 +163,10 @@ class _Answers(OpenQuestions):
         first = SHORT_SLICE if self.searched else FIRST_SLICE
         if self.typed or [*self.waiting.values()] == [SOME_DEADLOCK]:
             first = inf if self.typed else SLICE_OF_PROOF
-        for told in in_turns(ways, lambda: not self.waiting, first=first, whole=space):
+        turns = in_turns(
+            ways, lambda: not self.waiting, first=first, whole=space, near=lambda: self.questions.made
+        )
+        for told in turns:
             if told is not None:
                 yield told
                 self.tell_open()
