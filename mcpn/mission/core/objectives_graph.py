@@ -22,6 +22,12 @@ if TYPE_CHECKING:
     import networkx as nx
 
 
+NO_COPIES = Copies()
+"""Of a graph that is a part of a mission's: one object for all of them."""
+NO_REQUIREMENTS: Mapping[str, tuple[str, Requirement]] = {}
+"""The same of requirements."""
+
+
 def failed_for(reason: str) -> str:
     """The outcome of an objective that fails for a reason."""
     return f"failure {reason}"
@@ -290,8 +296,10 @@ class ObjectivesGraph(Drawn, ValueRecord):
     entry: str
     unreached: tuple[Section, ...] = ()
     core: Mission | None = field(default=None, compare=False)
-    copies: Copies = field(default_factory=Copies, compare=False)
-    requirements: Mapping[str, tuple[str, Requirement]] = field(default_factory=dict, compare=False)
+    copies: Copies = field(default=NO_COPIES, compare=False)
+    requirements: Mapping[str, tuple[str, Requirement]] = field(
+        default_factory=lambda: NO_REQUIREMENTS, compare=False
+    )
 
     def __repr__(self) -> str:
         return f"<objectives graph of {len(self.sections)} sections, from {self.entry}>"

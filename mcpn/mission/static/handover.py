@@ -125,8 +125,17 @@ def _onward(graph: ObjectivesGraph, beside: Running) -> Iterator[tuple[frozenset
             yield from ((stopped, target) for target in graph.interrupted(section, event))
         branches = section.branches if isinstance(section, ParallelSection) else ()
         for branch in branches:
+            if _leads_nowhere(branch.graph):
+                continue
             others = (_interrupted(other.graph) for other in branches if other is not branch)
             yield from _onward(branch.graph, _joined(beside, *others))
+
+
+def _leads_nowhere(graph: ObjectivesGraph) -> bool:
+    """Whether a branch is one objective that does not lead to itself, as most branches are."""
+    first = graph.sections[0]
+    alone = len(graph.sections) == 1 and isinstance(first, ElementarySection)
+    return alone and first.name not in first.routes
 
 
 def _pausing(block: ParallelSection) -> Iterator[tuple[frozenset[str], Section]]:
