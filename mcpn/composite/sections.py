@@ -53,6 +53,10 @@ class Stage(Levels):
         transitions: The same of transitions.
         used: Both, restricted to what the section uses (:data:`NOWHERE` for its control). Sections of one
             type that use the same share these lists.
+
+    Attributes:
+        objectives: Its elementary objectives, in the order of the type's.
+        alike: Equal for stages that differ in the names of objectives alone: exits to itself count, too.
     """
 
     name: str
@@ -68,17 +72,10 @@ class Stage(Levels):
         self.store = self.layout.store
         self.carried = self.layout.carried(self.part)  # in the order of the type's
         self.slots = self.layout.slots_of(self.carried)  # which sets of its states leave open
-
-    @cached_property
-    def alike(self) -> Hashable:
-        """Equal for stages that differ in the names of objectives alone: exits to itself count, too."""
-        again = (exit_ for exit_, route in self.routes.items() if route == self.name)
-        return self.type, self.part.used, self.carried, *again
-
-    @cached_property
-    def objectives(self) -> tuple[str, ...]:
-        """Its elementary objectives, in the order of the type's."""
-        return tuple(section.name for section in self.part.graph.walk())
+        # Kept as they are: what is added to an object later takes several times as much.
+        self.objectives = tuple([section.name for section in self.part.graph.walk()])
+        again = [exit_ for exit_, route in self.routes.items() if route == self.name]
+        self.alike: Hashable = (self.type, self.part.used, self.carried, *again)
 
     def at(self, place: int) -> int | None:
         """The index in its local net of a place of the whole net; ``None`` where it has none."""

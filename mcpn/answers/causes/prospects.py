@@ -214,9 +214,13 @@ class Prospects(Generic[S]):
         self.everything = frozenset(t for t, _ in self.events.pairs) - self.dying
         self.unrepaired = self.everything.difference(self.events.carrying(What.REPAIRED))
         self._striking = Striking(mission_net)
-        self._images = ImageStore(len(mission_net.roles))
         self._alike: Alike[Counted] = Alike()
         self._critical: Alike[list[CriticalEvent]] = Alike()
+
+    @cached_property
+    def _images(self) -> ImageStore:
+        """For images of states on places that say something; checks need none."""
+        return ImageStore(len(self.mission_net.roles))
 
     def within(self, max_states: int | None) -> Self:
         """The same, with another limit on states of its chains."""

@@ -10,7 +10,7 @@ out of service along them: the analysis is sound, not complete.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 from typing import NamedTuple
 
 from mcpn.errors import Problem
@@ -85,6 +85,7 @@ class Routing:
         self._copies = graph.copies
         self._entered = entered
         self._happens = happens
+        self._happened = {(event.what, event.element, event.reason) for event in happens}
         self._succeeds = succeeds
         self._exits: dict[str, frozenset[str]] = {}
         self._taken: dict[str, frozenset[str]] = {}
@@ -188,9 +189,9 @@ class Routing:
 
     def _outcomes_taken(self, section: Section) -> frozenset[str]:
         if isinstance(section, ElementarySection):
-            known = {outcome: Event(what, section.name) for outcome, what in _EVENTS.items()}
-            known |= {to: Event(What.FAILURE, section.name, why) for why, to in section.failures}
-            never = {outcome for outcome, event in known.items() if event not in self._happens}
+            known = {outcome: (what, section.name, "") for outcome, what in _EVENTS.items()}
+            known |= {to: (What.FAILURE, section.name, why) for why, to in section.failures}
+            never = {outcome for outcome, event in known.items() if event not in self._happened}
             return frozenset(outcome for outcome, _ in section.outcomes if outcome not in never)
         ends = [(branch.mandatory, self._ends(branch.name, branch.graph)) for branch in section.branches]
         must = [exits for mandatory, exits in ends if mandatory]
@@ -198,7 +199,7 @@ class Routing:
             "success": all(SUCCEED in exits for exits in must) and all({SUCCEED, FAIL} & e for _, e in ends),
             "failure": any(FAIL in exits for exits in must),
             "abort": any(ABORT in exits for _, exits in ends),
-            TIMED_OUT: Event(What.TIMEOUT, section.name) in self._happens,
+            TIMED_OUT: (What.TIMEOUT, section.name, "") in self._happened,
         }
         if section.needed is not None:
             well, badly = (sum(exit_ in exits for _, exits in ends) for exit_ in (SUCCEED, FAIL))
@@ -357,11 +358,17 @@ def _routes(section: Section) -> Iterator[_Route]:
     yield from _interrupting(section)
 
 
+@cache
+def _declared(name: str) -> Event:
+    """A declared event: one object for all that it interrupts."""
+    return Event(What.DECLARED, name)
+
+
 def _interrupting(section: Section) -> Iterator[_Route]:
     """The routes by which events interrupt a section."""
     for interruption in section.interruptions:
         if interruption.pauses is None:
-            event = Event(What.DECLARED, interruption.event)
+            event = _declared(interruption.event)
             yield _Route(section, event, interruption.target)
             yield from (_Route(section, event, case.target, True) for case in interruption.cases)
 

@@ -102,8 +102,8 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
         firings: By transition how often it fires between them.
     """
     usage, mission = mission_net.usage, mission_net.core
-    events = (mission_net.net.event(t) for t, count in firings.items() if count)
-    happens = {event for event in events if event is not None}
+    events = mission_net.net.events
+    happens = {event for event in events if any(map(firings.get, events.of(event)))}
     selected, entered = selected_and_entered(mission_net, space)
     sections = list(usage.graph.walk())
     begun = {activity for section in sections if section.name in entered for activity in section.activities}
@@ -123,7 +123,8 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
     routing = Routing(usage.graph, entered, happens, mission, _succeeding(mission_net, space))
     problems.extend(routing.never_entered())
     for what, verb in ((What.SUCCESS, "succeed"), (What.FAILURE, "fail")):
-        never = (s for s in sections if s.name in entered and Event(what, s.name) not in happens)
+        ended = {event.element for event in happens if event.what is what and not event.reason}
+        never = (s for s in sections if s.name in entered and s.name not in ended)
         problems.extend(of_objectives(usage, never, f"can never {verb}"))
     problems.extend(never_entered(usage))
     problems.extend(never_used(usage.core, used))
