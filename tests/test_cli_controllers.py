@@ -207,3 +207,12 @@ def test_many_edges_are_rules_by_themselves(tmp_path: Path, monkeypatch: pytest.
     run = mcpn("controller", save(tmp_path, 4), "-o", tmp_path / "out")
     assert run.stdout.startswith("modular controller of m")
     assert "edges, the limit of --form auto is 100: a modular controller is made instead" in run.stderr
+
+
+def test_a_certificate_is_not_written_over_its_controller(tmp_path: Path) -> None:
+    """It was, and the command ended well: what was verified was lost."""
+    mission, build = save(tmp_path / "m", 1), tmp_path / "build"
+    run = mcpn("controller", mission, "-o", build, "--certificate", build / "controller.json")
+    assert run.returncode == 2
+    assert "controller.json: cannot be written: something else is written there" in run.stderr
+    assert not build.exists()

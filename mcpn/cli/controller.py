@@ -103,6 +103,7 @@ def controller(
         found = minimise(found)
         size = f"{size}; minimised: {found.states} states, {found.moves} edges"
     texts = files(document_in_rows(found, study.mission_net, verified=not unverified), target)
+    question.keep_apart(mission, study, *(output / name for name in texts), certificate)
     write_folder(output, texts)
     if certificate is not None:
         from mcpn.certificates.writing import certificate_of
