@@ -23,7 +23,7 @@ from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.study import Study
 from tests.certificates.files import entries_of
-from tests.natives import built_once, cpp_compiler
+from tests.certificates.programs import compiled
 
 Claims = list[tuple[str, str]]
 """Of each claim what became of it, and its key."""
@@ -45,13 +45,6 @@ SMALL = """
   </parallel>
 </mission>
 """
-
-
-def compiled(name: str, folders: pytest.TempPathFactory) -> Path:
-    """A program in C++ of this folder."""
-    options = ["-O1", "-std=c++17", "-Wall", "-Wextra", "-Werror"]
-    command = [*cpp_compiler(), *options, str(Path(__file__).parent / "second" / f"{name}.cpp"), "-o", name]
-    return built_once(folders, name, lambda at: subprocess.run(command, cwd=at, check=True)) / name
 
 
 @pytest.fixture(scope="module")

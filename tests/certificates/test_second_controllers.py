@@ -23,8 +23,8 @@ from mcpn.errors import McpnError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.xml import read_mission
 from mcpn.study import Study
+from tests.certificates.programs import compiled
 from tests.certificates.test_modular_controllers import DRAWN, EXPERIMENTS, FEW, listed, made
-from tests.certificates.test_second_checker import compiled
 from tests.conftest import ULYSSE
 from tests.draws import campaign
 from tests.small import activity, hw, mission, robot

@@ -27,8 +27,9 @@ from mcpn.errors import McpnError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.testing import elements
+from tests.certificates.programs import compiled
 from tests.certificates.test_corecheck import EVERYTHING, MISSION, WRONG, of_text
-from tests.certificates.test_second_checker import SMALL, changed, compiled, paths_in
+from tests.certificates.test_second_checker import SMALL, changed, paths_in
 from tests.draws import campaign, composed, fewer
 from tests.shares import returns_early
 

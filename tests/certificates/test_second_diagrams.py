@@ -23,7 +23,8 @@ from mcpn.spaces.stable.alternatives import direct
 from mcpn.study import Study
 from mcpn.testing import missions
 from tests.certificates.files import entries_of
-from tests.certificates.test_second_checker import SMALL, Claims, compiled, mutant, of_the_other
+from tests.certificates.programs import compiled
+from tests.certificates.test_second_checker import SMALL, Claims, mutant, of_the_other
 from tests.draws import fewer
 from tests.logic.oracle import fragile_missions
 from tests.shares import returns_early

@@ -29,7 +29,8 @@ from mcpn.testing import missions
 from tests.answers.dense import any_missions, interrupted_missions
 from tests.answers.test_interval_bounds import with_intervals
 from tests.certificates.files import entries_of, rewritten
-from tests.certificates.test_second_checker import Claims, compiled, mutant, of_the_other
+from tests.certificates.programs import compiled
+from tests.certificates.test_second_checker import Claims, mutant, of_the_other
 from tests.draws import fewer
 from tests.logic.oracle import fragile_missions
 from tests.shares import returns_early

@@ -24,7 +24,7 @@ from mcpn.mission.model import Mission
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.study import Study
 from mcpn.testing import elements, missions
-from tests.certificates.test_second_checker import compiled
+from tests.certificates.programs import compiled
 from tests.certificates.test_sectionctl import CHANGES, files, made, plain
 from tests.draws import fewer
 from tests.shares import returns_early

@@ -26,7 +26,8 @@ from mcpn.errors import McpnError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.testing import elements, missions
-from tests.certificates.test_second_checker import changed, compiled, of_the_other, paths_in
+from tests.certificates.programs import compiled
+from tests.certificates.test_second_checker import changed, of_the_other, paths_in
 from tests.conftest import ULYSSE
 from tests.draws import campaign, composed, fewer
 from tests.shares import returns_early
