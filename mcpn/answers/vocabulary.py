@@ -1,4 +1,4 @@
-"""The words of a mission: what formulas about it may name."""
+"""Lists the words that formulas about a mission may name; what they mean is said in mission_names.py."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the states of a mission say of its names, for an editor: found by a process that can be ended.
+"""What an editor shows beside a mission's names, of its states: found by a process that can be ended.
 
 ``python -m mcpn.editor.findings mission.xml`` prints one JSON object: ``names``, Markdown by objective and
 hardware; ``problems``, each with file, line and message, of verdicts and requirements that do not hold and of

@@ -1,4 +1,4 @@
-"""What is wrong with a mission that the schema cannot say: resources, activities, attributes beside others.
+"""Whether a mission is valid: all that the schema cannot say is checked from here, resources in this file.
 
 What is wrong with blocks and their routes is found by :mod:`mcpn.mission.block_errors`.
 """

@@ -1,4 +1,4 @@
-"""Who uses what, together with whom: the static analysis that the net's composition rests on."""
+"""The static analysis of a mission as one object: its demands, with what is shared and handed over."""
 
 from __future__ import annotations
 
