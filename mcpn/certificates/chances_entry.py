@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from decimal import Decimal
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from mcpn.answers.causes.find import Causes
 from mcpn.answers.causes.interval_bounds import proved_values
 from mcpn.answers.causes.linear_systems import Floats
 from mcpn.answers.causes.whole_chain import WholeChain, whole_chain
-from mcpn.certificates.entries import Claimed, Trusted, entry
+from mcpn.certificates.entries import Claimed, EvidenceError, Trusted, entry, supported
 from mcpn.certificates.furthercheck import DECIMAL, UNIT
 from mcpn.certificates.moments_entry import REENTERED, MomentClaims
 from mcpn.drawing.compose import MissionNet
@@ -27,11 +28,16 @@ UNNOTICED = "what an objective does with hardware that is lost unnoticed is not 
 CRASHES = "how often an activity crashes is not stated"
 SENTENCE = "The mission ends in {} with a probability from {} to {}."
 WITHIN = "Whatever the rates are in their intervals, the mission ends in {} with a probability from {} to {}."
+SLACK = 1e-9
+"""How far a number may lie outside of its interval: solvers round, and no digit so small is printed."""
 IMPORTANCE = "What resources are worth, and how often a mode is degraded.", "no kind of claim states it"
 
 
 def chance_claims(
-    causes: Causes, graph: AlternativesGraph, stopped: MomentClaims
+    causes: Causes,
+    graph: AlternativesGraph,
+    stopped: MomentClaims,
+    printed: Mapping[str, float | None] = MappingProxyType({}),
 ) -> Iterator[Claimed | Trusted]:
     """Each as the certificate holds it, or why it is only trusted.
 
@@ -39,8 +45,10 @@ def chance_claims(
         causes: What makes the mission fail.
         graph: Its listed states.
         stopped: What says which events end runs of objectives.
+        printed: By end the probability that is told beside the certificate, if any.
 
     Raises:
+        EvidenceError: One that is told lies outside of what is proved, by more than :data:`SLACK`.
         InputError: An objective that may run has no duration.
     """
     mission_net = causes.mission_net
@@ -59,7 +67,8 @@ def chance_claims(
     for key, sentence, lower, upper in rounds:
         # Edges that no rate gives are the same in both, as an interval begins above 0.
         low, high = (whole_chain(causes.prospects.within(graph.states), number) for number in (lower, upper))
-        states = np.array([place_of[low.markings(state)] for state in range(low.states)], np.int64)
+        with supported("The states of the Markov chain are those of the net."):
+            states = np.array([place_of[low.markings(state)] for state in range(low.states)], np.int64)
         said = _model(mission_net, lower, upper)
         said["stopped"] = stopped.stopped(stopped.objectives)
         if not _decimal(said):
@@ -77,6 +86,9 @@ def chance_claims(
             least, most = (_parts(vectors[side][first]) for side in ("below", "above"))
             stated = {"end": end, "low": least, "high": most, **said}
             words = sentence.format(end, least, most)
+            told = printed.get(end)
+            if told is not None and not float(least) - SLACK <= told <= float(most) + SLACK:
+                raise EvidenceError(words, f"it has computed {told:.9g}")
             yield entry(f"{key}: {end}", "chance", (end,), True, words, stated, vectors)
 
 

@@ -12,7 +12,7 @@ from mcpn.answers.causes.minimal_cut_sets import CutSet, Moment
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.certificates import evidence
 from mcpn.certificates.cut_set_evidence import Losing, can_fail, survived
-from mcpn.certificates.entries import Claimed, Trusted, entry
+from mcpn.certificates.entries import Claimed, Trusted, entry, supported
 from mcpn.errors import LimitError
 from mcpn.events import ENDING
 from mcpn.mission.core.objectives_graph import ElementarySection, ParallelSection, Section
@@ -125,9 +125,9 @@ class MomentClaims:
             said |= {"over": over, "timed": [[block.name, *block.held] for block in blocks]}
         else:
             try:
-                shown = {
-                    "survived": survived(self.graph, self.net, cuts, self._losing(goal, moment, section))
-                }
+                with supported(sentence):
+                    losing = self._losing(goal, moment, section)
+                    shown = {"survived": survived(self.graph, self.net, cuts, losing)}
             except LimitError as error:
                 return Trusted(key, sentence, str(error))
         subject = (goal.words, *at)

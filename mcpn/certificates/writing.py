@@ -6,6 +6,7 @@ import json
 import zipfile
 from collections.abc import Callable, Iterable, Mapping
 from io import BytesIO
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from mcpn.answers.causes.find import Causes
@@ -19,7 +20,7 @@ from mcpn.certificates import evidence
 from mcpn.certificates.certcheck import ENDS, VERSION, Limit
 from mcpn.certificates.core_entry import core_entry
 from mcpn.certificates.cut_set_evidence import before_the_start, can_fail, survived
-from mcpn.certificates.entries import Claimed, Trusted, Uncertified, entry
+from mcpn.certificates.entries import Claimed, Trusted, Uncertified, entry, supported
 from mcpn.certificates.formula_entry import formula_entry
 from mcpn.certificates.moments_entry import CRASHES, MomentClaims
 from mcpn.certificates.net_entry import net_entry
@@ -183,7 +184,8 @@ def _by_diagrams(check: MissionCheck, error: LimitError) -> Certificate:
         if kind not in ENDS or claim.holds is None or "happens(" in claim.formula:
             trusted[claim.key] = claim.sentence, f"{error}; no diagram proves it"
             continue
-        shown = writer.evidence(kind, claim.holds)
+        with supported(claim.sentence):
+            shown = writer.evidence(kind, claim.holds)
         claims[claim.key] = entry(claim.key, kind, claim.subject, claim.holds, claim.sentence, {}, shown)
     return _certificate(writer, claims, trusted)
 
@@ -195,7 +197,8 @@ def _drawn(mission_net: MissionNet, spaces: MissionSpaces) -> tuple[DiagramWrite
     writer = DiagramWriter(mission_net, spaces.symbolic(), spaces.space(SYMBOLIC))
     claims = _Claims()
     for name, sentence in SENTENCES.items():
-        claims[name] = entry(name, name, (), True, sentence, {}, writer.evidence(name, True))
+        with supported(sentence):
+            claims[name] = entry(name, name, (), True, sentence, {}, writer.evidence(name, True))
     return writer, claims, {"net": (PLAYED, "corecheck lists the states, and they are too many")}
 
 
@@ -220,7 +223,8 @@ def _causes_by_diagrams(causes: Causes, error: LimitError) -> Certificate:
     asked, unasked = _asked_cut_sets(causes)
     for key, sentence, said in asked:
         try:
-            shown = writer.cut_sets(said["ends"], said["hardware"], said["cuts"])
+            with supported(sentence):
+                shown = writer.cut_sets(said["ends"], said["hardware"], said["cuts"])
         except LimitError as why:
             trusted[key] = sentence, str(why)
         else:
@@ -251,7 +255,11 @@ def _asked_cut_sets(causes: Causes) -> tuple[list[tuple[str, str, dict[str, Any]
 
 
 def certificate_of_causes(
-    causes: Causes, max_states: int | None = None, *, chances: bool = False
+    causes: Causes,
+    max_states: int | None = None,
+    *,
+    chances: bool = False,
+    printed: Mapping[str, float | None] = MappingProxyType({}),
 ) -> Certificate:
     """The certificate of the minimal cut sets of a mission, and of what single losses do.
 
@@ -259,8 +267,10 @@ def certificate_of_causes(
         causes: What makes it fail.
         max_states: As of :func:`certificate_of`.
         chances: Whether it says how probable the ends are too.
+        printed: By end the probability that is told beside the certificate.
 
     Raises:
+        EvidenceError: A probability that is told lies outside of what is proved of it.
         LimitError: As there; or there are too many sets that the mission survives.
     """
     mission_net = causes.mission_net
@@ -272,15 +282,16 @@ def certificate_of_causes(
     asked, trusted = _asked_cut_sets(causes)
     claims, further = list(made.claims), list[dict[str, Any]]()
     for key, sentence, said in asked:
-        losing = before_the_start(graph, mission_net, said["ends"])
-        shown = {"survived": survived(graph, mission_net, said["cuts"], losing)}
+        with supported(sentence):
+            losing = before_the_start(graph, mission_net, said["ends"])
+            shown = {"survived": survived(graph, mission_net, said["cuts"], losing)}
         claims.append(entry(key, "cut_sets", (), True, sentence, said, shown))
     moments = MomentClaims(causes, graph)
     every: list[Claimed | Trusted] = [*moments.all()]
     if chances:
         from mcpn.certificates.chances_entry import chance_claims  # needs scipy
 
-        every += chance_claims(causes, graph, moments)
+        every += chance_claims(causes, graph, moments, printed)
     for each in every:
         if isinstance(each, Trusted):
             trusted.append(each)
@@ -320,7 +331,8 @@ class _Writer:
             if claim.key in claims or claim.key in trusted:
                 continue
             try:
-                said, shown = self.evidence(claim)
+                with supported(claim.sentence):
+                    said, shown = self.evidence(claim)
             except Uncertified as why:
                 trusted[claim.key] = claim.sentence, str(why)
             else:

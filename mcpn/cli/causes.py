@@ -128,7 +128,12 @@ def causes(
         from mcpn.certificates.writing import certificate_of_causes
 
         with question.progress():
-            evidence = certificate_of_causes(every, question.max_states, chances=numbers is not None)
+            told: dict[str, float | None] = {}
+            if numbers is not None:
+                told = {"success": numbers.success, "failure": numbers.failure, "abort": numbers.abort}
+            evidence = certificate_of_causes(
+                every, question.max_states, chances=numbers is not None, printed=told
+            )
             write_atomically(certificate, evidence.to_bytes())
             written = verified(evidence, certificate)
     if openpsa is not None:
