@@ -101,18 +101,25 @@ def why_not_written(path: Path, error: OSError | ValueError) -> str:
     return f"cannot be written: {why}"
 
 
-def keep_apart(written: Iterable[Path | None], read: Iterable[str | Path]) -> None:
-    """Refuses to write over what was read, and two things into one file.
+def keep_apart(written: Iterable[Path | None], read: Iterable[str | Path], made: Path | None = None) -> None:
+    """Refuses to write over what was read, two things into one file, and where no file can be.
+
+    A command asks before it works, so that no answer is lost, nor one of two files written.
 
     Args:
         written: Where a command writes; nothing is written where it is ``None``.
         read: What it was given and has read.
+        made: A directory that the command makes.
 
     Raises:
-        InputError: A file would be lost.
+        InputError: A file would be lost, or its directory is not there, or it is a directory.
     """
     taken = {Path(each).resolve(): "it is read" for each in read}
     for path in filter(None, written):
+        if path.parent != made and not path.parent.is_dir():
+            raise InputError.at(Source(str(path)), why_not_written(path, OSError(ENOENT, "")))
+        if path.is_dir():
+            raise InputError.at(Source(str(path)), why_not_written(path, OSError(EISDIR, "")))
         if why := taken.get(path.resolve()):
             raise InputError.at(Source(str(path)), f"cannot be written: {why} by this command")
         taken[path.resolve()] = "something else is written there"

@@ -57,6 +57,41 @@ def test_no_command_writes_over_what_it_reads_or_writes(
     assert {path.name: path.read_text() for path in tmp_path.iterdir()} == texts
 
 
+@pytest.mark.parametrize(
+    "asked",
+    [
+        "check mission.xml --certificate none/new",
+        "causes mission.xml --fmeca new.csv --certificate none/new",
+        "report mission.xml -o new.html --certificate none/new",
+        "controller mission.xml -o new --certificate none/new",
+        "controller mission.xml -o new --certificate .",
+        "convert mission.xml none/new.dot",
+        "run mission.xml --drivers drivers.toml --journal new.json --snapshot none/new",
+    ],
+)
+def test_where_no_file_can_be_is_said_before_anything_is_written(
+    asked: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The controller was written before its certificate was refused, which is half of what was asked for."""
+    monkeypatch.chdir(tmp_path)
+    texts = {"mission.xml": MISSION, "robot.xml": ROBOT, "drivers.toml": DRIVERS}
+    for name, text in texts.items():
+        Path(name).write_text(text)
+    found = mcpn(*asked.split())
+    assert found.returncode == 2
+    assert "cannot be written: " in found.stderr
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == texts
+
+
+def test_a_certificate_may_lie_in_the_folder_that_is_made(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("m.xml").write_text(MISSION.replace('<import href="robot.xml"/>', ROBOT))
+    assert mcpn("controller", "m.xml", "-o", "new", "--certificate", "new/m.cert").returncode == 0
+    assert sorted(path.name for path in Path("new").iterdir()) == ["controller.json", "m.cert"]
+
+
 @pytest.mark.parametrize("other", [["--structure"], ["--format", "sarif"]])
 def test_a_certificate_is_not_asked_for_in_vain(other: list[str], tmp_path: Path) -> None:
     (tmp_path / "m.xml").write_text(MISSION.replace('<import href="robot.xml"/>', ROBOT))

@@ -80,11 +80,11 @@ def controller(
     from mcpn.controller.hierarchy import TableController
     from mcpn.controller.minimise import minimise
     from mcpn.controller.sizes import MAX_TABLE_STATES
-    from mcpn.files import write_folder
+    from mcpn.files import write_atomically, write_folder
     from mcpn.robot.targets import OF_RULES, files
 
     study = question.study(mission)
-    question.keep_apart(mission, study, certificate)
+    question.keep_apart(mission, study, certificate, made=output)
     tables = form == "auto" and target not in OF_RULES
     made = "hierarchical" if form == "minimised" or tables else form
     told, most, walked = _once(), question.max_states, None
@@ -103,14 +103,15 @@ def controller(
         found = minimise(found)
         size = f"{size}; minimised: {found.states} states, {found.moves} edges"
     texts = files(document_in_rows(found, study.mission_net, verified=not unverified), target)
-    question.keep_apart(mission, study, *(output / name for name in texts), certificate)
-    write_folder(output, texts)
+    question.keep_apart(mission, study, *(output / name for name in texts), certificate, made=output)
+    written = None
     if certificate is not None:
         from mcpn.certificates.writing import certificate_of
-        from mcpn.files import write_atomically
 
         with question.work():
             written = certificate_of(study.verdicts(), question.max_states)
+    write_folder(output, texts)
+    if certificate is not None and written is not None:
         write_atomically(certificate, written.to_bytes())
         walked = _walked(
             certificate, output / "controller.json" if target == "json" else None, written.listed

@@ -207,12 +207,12 @@ class Question:
             _refuse_tree(file)
         return found
 
-    def keep_apart(self, file: Path, study: Study, *written: Path | None) -> None:
-        """Refuses to write over the files of a study, or two things into one file."""
+    def keep_apart(self, file: Path, study: Study, *written: Path | None, made: Path | None = None) -> None:
+        """Refuses to write over the files of a study, two things into one file, or where no file can be."""
         from mcpn.files import keep_apart
 
         if any(written):
-            keep_apart(written, [file] if study.is_net else [file, *study.mission.files])
+            keep_apart(written, [file] if study.is_net else [file, *study.mission.files], made)
 
     def progress(self) -> AbstractContextManager[None]:
         """Shows how far the work is, unless the answer is JSON."""
