@@ -228,8 +228,7 @@ class PairedWalk:
         controller = self.controller
         for phase, states in self.phases.items():
             certcheck.need((number in states) == (state.phase == phase), f"only one of both is {phase}")
-        out = self.marked(number, "oos") & controller.failing
-        same("hardware is out of service", out, state.gone)
+        same("hardware is out of service", self.marked(number, "oos"), state.gone)
         known = {name for name in state.gone if controller.late.get(name) in state.true}
         same("hardware is known to be out of service", self.marked(number, "known"), known)
         same("facts", self.marked(number, "fact"), controller.facts(state))

@@ -20,6 +20,7 @@ from mcpn.certificates.net_entry import net_entry
 from mcpn.controller.document import document
 from mcpn.errors import ConfluenceError, LimitError, PremiseError, UnsafeError
 from mcpn.mission.model import Mission, Objective
+from mcpn.mission.robot import Hardware
 from mcpn.mission.writer import save_mission
 from mcpn.mission.xml import read_mission
 from mcpn.study import Study
@@ -143,3 +144,18 @@ def test_the_files_alone_check_a_controller(tmp_path: Path) -> None:
     assert [run.returncode for run in ran] == [0, 0, 2], ran
     assert "260 pairs of states, 1332 events" in ran[1].stdout
     assert all(run.stderr == "" for run in ran)
+
+
+def test_a_controller_does_not_choose_of_what_hardware_the_net_is_heard() -> None:
+    """What it does not list is out of service all the same where the net says so."""
+    of = robot((Hardware(name="radio", initial="oos"),), activity("tell", ("radio",), ()))
+    study = Study(mission(of, Objective(name="told", activities=("tell",))))
+    controller = made(study, "flat")
+    assert judged(study, controller)[0] > 3
+    controller["hardware"] = []
+    controller["out_of_service"] = []
+    for kind in controller["types"]:
+        for state in kind["states"]:
+            state["out_of_service"] = []
+    with pytest.raises(certcheck.Refuted, match="hardware is out of service"):
+        judged(study, controller)
