@@ -134,8 +134,11 @@ def _of_causes(study: Study, rates: bool) -> tuple[Any, Any]:
     causes = study.causes()
     said: list[Any] = [causes_object(causes, claims_of_causes(causes), runs=False)]
     if rates:
-        said = [risk_object(risk(causes.prospects)), bounds(study.causes(engine="explicit").prospects)]
-    return said, lambda: certificate_of_causes(causes, chances=rates)
+        numbers = risk_object(risk(causes.prospects))
+        said = [numbers, bounds(study.causes(engine="explicit").prospects)]
+        printed = {end: numbers.get(end) for end in ("success", "failure", "abort")}
+        return said, lambda: certificate_of_causes(causes, chances=True, printed=printed)
+    return said, lambda: certificate_of_causes(causes)
 
 
 def _of_controller(study: Study, form: str) -> tuple[Any, Any]:
