@@ -167,7 +167,7 @@ def test_every_order_holds_every_place_once(reference: Path) -> None:
 
 def test_the_memory_limit_is_an_error_that_says_so() -> None:
     with pytest.raises(LimitError, match="memory limit of 100000 bytes"):
-        reach(switches(400), memory_limit=100_000)
+        reach(switches(4000), memory_limit=100_000)
 
 
 def test_the_run_to_a_second_token_has_what_is_internal_in_its_place() -> None:

@@ -6,7 +6,7 @@ namespace mcpn {
 
 namespace {
 
-constexpr std::uint64_t kFirstBuckets = 1u << 14, kFirstLines = 1u << 14, kMostLines = 1u << 22;
+constexpr std::uint64_t kFirstBuckets = 1u << 10, kFirstLines = 1u << 10, kMostLines = 1u << 22;
 constexpr std::uint64_t kFirstCollection = 1u << 22;
 constexpr std::uint64_t kLook = 1u << 15;  // steps from one look at signals to the next
 constexpr Node kNone = 0;
