@@ -26,8 +26,8 @@ from tests.answers.test_whole_chain import (
     chain_of,
     long_fractions,  # noqa: F401  (a fixture of all tests here)
     one_sensor,
+    prospects_of,
     whole,
-    worked,
 )
 from tests.commands import output
 from tests.draws import composed, fewer
@@ -87,12 +87,12 @@ def test_the_derivative_of_one_sensor() -> None:
 def test_the_command_tells_an_order_that_is_another(capsys: pytest.CaptureFixture[str]) -> None:
     """In the glider the radio is as important as the pump, but it is needed for a moment only."""
     found = output("causes", EXPERIMENTS / RATED[1], "--rates")
-    assert found["slopes"] == pytest.approx(slopes(whole_chain(worked(RATED[1])[0])), rel=1e-9)
+    assert found["slopes"] == pytest.approx(slopes(whole_chain(prospects_of(RATED[1]))), rel=1e-9)
     importance = found["risk"]["importance"]
     assert importance["satellite_radio"] > importance["compass"]
     assert found["slopes"]["satellite_radio"] > found["slopes"]["compass"]
 
-    numbers = risk(worked(RATED[1])[0])
+    numbers = risk(prospects_of(RATED[1]))
     print_slopes(numbers, found["slopes"])
     shown = capsys.readouterr().out
     assert "they rank otherwise" in shown
@@ -102,6 +102,6 @@ def test_the_command_tells_an_order_that_is_another(capsys: pytest.CaptureFixtur
 
 
 def test_derivatives_of_too_many_states_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    prospects, _ = worked(RATED[0])
+    prospects = prospects_of(RATED[0])
     assert slopes_of(prospects.within(100)) is None
     assert set(slopes_of(prospects) or {}) == set(prospects.hardware)

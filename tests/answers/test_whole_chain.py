@@ -150,10 +150,16 @@ def test_campaign() -> None:
 
 
 @cache
-def worked(name: str) -> tuple[Prospects[Any], bytes]:
-    """A worked mission, as ``auto`` takes it, and its automaton."""
+def prospects_of(name: str) -> Prospects[Any]:
+    """A worked mission, as ``auto`` takes it."""
     study = open_study(EXPERIMENTS / name)
-    prospects = Prospects(study.mission_net, study.alternatives())
+    return Prospects(study.mission_net, study.alternatives())
+
+
+@cache
+def worked(name: str) -> tuple[Prospects[Any], bytes]:
+    """The same, and its automaton."""
+    prospects = prospects_of(name)
     return prospects, drn(whole_chain(prospects, number=decimal))
 
 

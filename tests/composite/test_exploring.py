@@ -107,12 +107,12 @@ def test_many_steps_come_after_all_markings(monkeypatch: pytest.MonkeyPatch) -> 
 def test_many_branches_are_reached_by_markings_as_by_big_steps(
     apart: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    ways = [(f"h{i}",) if apart or i else ("h0", "h1") for i in range(9)]
+    ways = [(f"h{i}",) if apart or i else ("h0", "h1") for i in range(7)]
     of = robot(
-        tuple(Hardware(name=f"h{i}", shared=True) for i in range(9)),
+        tuple(Hardware(name=f"h{i}", shared=True) for i in range(7)),
         *(activity(f"a{i}", way) for i, way in enumerate(ways)),
     )
-    work = tuple(Objective(name=f"o{i}", activities=(f"a{i}",)) for i in range(9))
+    work = tuple(Objective(name=f"o{i}", activities=(f"a{i}",)) for i in range(7))
     found = compose(mission(of, Parallel(name="p", blocks=work)))
     said = []
     for most in (big_steps.MOST_SINGLY, 0):
