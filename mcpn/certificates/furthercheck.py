@@ -154,12 +154,7 @@ def entered(graph: LabelledStates, said: Json) -> set[State]:
     def ends(s: State, t: int, n: State) -> bool:
         return any(s in one.running and (t in one.over or n not in one.running) for one in again)
 
-    start = {
-        n
-        for s, edges in enumerate(graph.edges)
-        for t, n in edges
-        if n in first and (s not in inside or ends(s, t, n))
-    }
+    start = {n for n in first if any(s not in inside or ends(s, t, n) for t, s in graph.into[n])}
     return graph.listing.closure(start, graph.net.carrying("out of service"))
 
 
