@@ -259,3 +259,23 @@ def test_both_say_the_same_of_changed_controllers(
             apart.append((number, how, first, words))
     assert not apart
     assert {"proved", "refuted"} <= said
+
+
+def _leads_to_nothing(controller: Document) -> None:
+    for section in controller["sections"]:
+        section["routes"] = dict.fromkeys(section["routes"], "nowhere")
+
+
+def _has_no_routes(controller: Document) -> None:
+    for section in controller["sections"]:
+        section["routes"] = {}
+
+
+@pytest.mark.parametrize("change", [_leads_to_nothing, _has_no_routes])
+def test_routes_to_nothing_are_of_no_controller(
+    checker: Path, tmp_path: Path, change: Callable[[Document], None]
+) -> None:
+    home = originals()[0]
+    controller = copy.deepcopy(home.controllers[0])
+    change(controller)
+    assert both(checker, certificate(home.net, tmp_path), controller)[:2] == ("not checked", "not checked")

@@ -171,7 +171,7 @@ class Controller {
   // Where a section's outcome leads.
   static std::string route(const Json& in, const std::string& outcome) {
     const auto found = in.at("routes").members.find(outcome);
-    agree(found != in.at("routes").members.end(), "an outcome without a route");
+    require(found != in.at("routes").members.end(), "an outcome without a route");
     return text(found->second);
   }
   void enter(Moved& made, const std::string& name) const {
@@ -181,7 +181,7 @@ class Controller {
     const auto found = sections_.find(name);
     if (found == sections_.end()) {
       const auto end = ends.find(name);
-      agree(end != ends.end(), "a route to nothing");
+      require(end != ends.end(), "a route to nothing");
       made.to.phase = end->second;
       return;
     }
