@@ -10,6 +10,7 @@ import pytest
 
 import mcpn
 from mcpn.answers.compare import Disagreement
+from mcpn.certificates.entries import EvidenceError
 from mcpn.errors import (
     ConfluenceError,
     DivergenceError,
@@ -44,6 +45,7 @@ ERRORS = [
     DivergenceError("divergent", [["a", "a"]]),
     PremiseError("o", "p", ["MISSION_EV_START"]),
     Disagreement("on states"),
+    EvidenceError("The mission can end well.", "no run"),
 ]
 
 
