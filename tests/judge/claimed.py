@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable
 from functools import cached_property
-from itertools import combinations
 
 from mcpn.mission.model import Mission
 from mcpn.testing.judge.interpreter import (
@@ -23,6 +22,7 @@ from mcpn.testing.judge.interpreter import (
 )
 from mcpn.testing.judge.robot import Acting
 from tests.judge.asked import Runs
+from tests.judge.losses import Played
 from tests.judge.nominal import played
 from tests.judge.test_ignored import around, led_to
 from tests.judge.test_unsafe_abort import by_word_alone, failing
@@ -374,26 +374,27 @@ class Judged:
             for s, ways in self.leads.items()
         )
 
+    @cached_property
+    def after_losses(self) -> Played:
+        """The mission after each set of losses before its start."""
+        return Played(self.mission, self.hardware)
+
     def numbers(self, kind: str, number: int) -> bool:
         """Whether a claim on any so many losses by the start holds, or on the most that leave a way.
+
+        As in cut sets a loss is taken as given there, also of what can only crash while it runs.
 
         Args:
             kind: Of the claim.
             number: How many losses it speaks of.
+
+        Raises:
+            OverflowError: As of :class:`Played`.
         """
         ends = [SUCCESS] if kind.endswith(("defeat", "success")) else [SUCCESS, ABORTED]
-        left = {
-            lost: any(
-                s in self.safely(ends, [(REPAIRED, name) for name in lost])
-                for s in self.leads
-                if not s.begun and s.out.intersection(self.hardware) == {*lost}
-            )
-            for size in range(len(self.hardware) + 1)
-            for lost in combinations(sorted(self.hardware), size)
-        }
         if kind.startswith("any_lost"):
-            return not all(survived for lost, survived in left.items() if len(lost) == number)
-        return number == max(len(lost) for lost, survived in left.items() if survived)
+            return self.after_losses.any_defeats(number, ends)
+        return number == self.after_losses.most_spared(ends)
 
     def says(self, kind: str, subject: tuple[str, ...], aided: bool) -> bool | None:
         """Whether a claim holds; ``None`` of a kind that is judged elsewhere."""

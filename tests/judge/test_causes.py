@@ -7,10 +7,6 @@ A campaign (``tests/draws.py``) says how many missions were asked, and of how ma
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
-from itertools import combinations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -21,15 +17,14 @@ from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
 from mcpn.spaces.engine_names import Engine
 from mcpn.testing import missions
-from mcpn.testing.judge.interpreter import REPAIRED, SUCCESS, Happening, Interpreter, State, Undetermined
+from mcpn.testing.judge.interpreter import Undetermined
 from tests.draws import campaign, fewer
+from tests.judge.losses import Played
 from tests.logic.asked import ENGINES, Asked
-from tests.logic.oracle import fragile_missions, minimal
+from tests.logic.oracle import fragile_missions
 from tests.shares import returns_early
 from tests.small import activity, hw, mission, robot
 
-MOST_STATES = 400
-MOST_LOSSES = 5
 SMALL = st.one_of(
     fragile_missions(max_objectives=3, sections=4, hardware=3, producers=1, recovers=4, pauses=4, events=1),
     fragile_missions(max_objectives=3, sections=4, hardware=3, producers=2, reasons=5, aborts=2),
@@ -41,75 +36,6 @@ SMALL = st.one_of(
     missions(max_objectives=2, sections=4, hardware=2, producers=1, recovers=4, pauses=4, events=1),
     missions(max_objectives=2, sections=4, hardware=2, producers=1, faults=1, late=True, lasting=True),
 ).filter(lambda of: sum(hardware.faulty for hardware in of.hardware) > 1)
-
-
-class Played:
-    """All that may happen in a mission, from its start and from its start after losses.
-
-    Raises:
-        OverflowError: There are more than :data:`MOST_STATES` stable states, or :data:`MOST_LOSSES`.
-        Undetermined: Two activities ask for one thing at the same moment.
-    """
-
-    def __init__(self, of: Mission) -> None:
-        self.judge = Interpreter(of)
-        self.edges: dict[State, list[tuple[Happening, State]]] = {}
-        begin = self.judge.initial
-        names = self.judge.faulty
-        if len(names) > MOST_LOSSES:
-            raise OverflowError
-        self.subsets = [frozenset(s) for n in range(len(names) + 1) for s in combinations(names, n)]
-        late = self.judge.late
-        self.starts = {
-            lost: replace(
-                begin, out=begin.out | lost, unnoticed=begin.unnoticed | ((lost - begin.out) & late)
-            )
-            for lost in self.subsets
-        }
-        self.all = self.reached([begin], frozenset())
-
-    def onward(self, state: State) -> list[tuple[Happening, State]]:
-        """What may happen in a state, and where it leads."""
-        if state not in self.edges:
-            if len(self.edges) >= MOST_STATES:
-                raise OverflowError
-            self.edges[state] = [(e, self.judge.after(state, e)) for e in self.judge.possible(state)]
-        return self.edges[state]
-
-    def reached(self, begin: Iterable[State], lost: frozenset[str]) -> set[State]:
-        """Where runs lead in which nothing of what is lost is repaired."""
-        seen, stack = {*begin}, [*begin]
-        while stack:
-            for _, after in self.kept(stack.pop(), lost):
-                if after not in seen:
-                    seen.add(after)
-                    stack.append(after)
-        return seen
-
-    def kept(self, state: State, lost: frozenset[str]) -> Iterator[tuple[Happening, State]]:
-        """What may happen but for the repair of what is lost."""
-        return (edge for edge in self.onward(state) if edge[0][0] != REPAIRED or edge[0][1] not in lost)
-
-    def succeeds(self, begin: State, lost: frozenset[str], objective: str | None = None) -> bool:
-        """Whether a mission, or an objective of it, may still succeed."""
-        reached = self.reached([begin], lost)
-        if objective is None:
-            return any(state.outcome == SUCCESS for state in reached)
-        return any(event == (SUCCESS, objective) for s in reached for event, _ in self.kept(s, lost))
-
-    def lost_at_start(self, objective: str | None = None) -> list[tuple[str, ...]]:
-        """The least losses before the start after which nothing succeeds."""
-        starts = self.starts.items()
-        return minimal(lost for lost, begin in starts if not self.succeeds(begin, lost, objective))
-
-    def lost_whenever(self) -> list[tuple[str, ...]]:
-        """The least losses after which the mission cannot succeed, whenever they come."""
-        open_ = [state for state in self.all if state.begun and state.outcome != SUCCESS]
-        return minimal(
-            lost
-            for lost in self.subsets
-            if not any(lost <= state.out and self.succeeds(state, lost) for state in open_)
-        )
 
 
 def asked(of: Mission, engine: Engine) -> int:
