@@ -375,26 +375,42 @@ class Judged:
         )
 
     @cached_property
-    def after_losses(self) -> Played:
-        """The mission after each set of losses before its start."""
-        return Played(self.mission, self.hardware)
-
-    def numbers(self, kind: str, number: int) -> bool:
-        """Whether a claim on any so many losses by the start holds, or on the most that leave a way.
+    def success_left(self) -> dict[frozenset[str], bool]:
+        """Whether success is left after each set of losses before the start.
 
         As in cut sets a loss is taken as given there, also of what can only crash while it runs.
+        """
+        return Played(self.mission, self.hardware).left()
+
+    @cached_property
+    def safety_left(self) -> dict[frozenset[str], bool]:
+        """Whether a safe end is left after each set of losses that is played before the start."""
+        before = {frozenset(s.out.intersection(self.hardware)): s for s in self.leads if not s.begun}
+        return {
+            lost: state in self.safely([SUCCESS, ABORTED], [(REPAIRED, name) for name in lost])
+            for lost, state in before.items()
+        }
+
+    def numbers(self, kind: str, number: int) -> bool | None:
+        """Whether a claim on any so many losses by the start holds, or on the most that leave a way.
 
         Args:
             kind: Of the claim.
             number: How many losses it speaks of.
 
+        Returns:
+            ``None`` of safe ends where something only crashes while it runs.
+
         Raises:
             OverflowError: As of :class:`Played`.
         """
-        ends = [SUCCESS] if kind.endswith(("defeat", "success")) else [SUCCESS, ABORTED]
+        ends_well = kind.endswith(("defeat", "success"))
+        if not ends_well and not {*self.hardware} <= {*self.interpreter.faulty}:
+            return None
+        left = (self.success_left if ends_well else self.safety_left).items()
         if kind.startswith("any_lost"):
-            return self.after_losses.any_defeats(number, ends)
-        return number == self.after_losses.most_spared(ends)
+            return any(len(lost) == number and not spared for lost, spared in left)
+        return number == max(len(lost) for lost, spared in left if spared)
 
     def says(self, kind: str, subject: tuple[str, ...], aided: bool) -> bool | None:
         """Whether a claim holds; ``None`` of a kind that is judged elsewhere."""

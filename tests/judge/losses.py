@@ -90,13 +90,6 @@ class Played:
             if not any(lost <= state.out and self.succeeds(state, lost) for state in open_)
         )
 
-    def any_defeats(self, number: int, well: Collection[str]) -> bool:
-        """Whether some so many losses before the start leave no way to a good end."""
-        return any(len(lost) == number and not left for lost, left in self._left(well))
-
-    def most_spared(self, well: Collection[str]) -> int:
-        """The most losses before the start that leave a way to a good end."""
-        return max(len(lost) for lost, left in self._left(well) if left)
-
-    def _left(self, well: Collection[str]) -> Iterator[tuple[frozenset[str], bool]]:
-        return ((lost, not self.ends(begin, lost).isdisjoint(well)) for lost, begin in self.starts.items())
+    def left(self) -> dict[frozenset[str], bool]:
+        """Whether success is left after each set of losses before the start."""
+        return {lost: self.succeeds(begin, lost) for lost, begin in self.starts.items()}
