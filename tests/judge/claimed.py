@@ -61,6 +61,7 @@ class Judged:
             }
             for event, blocks in leads.items()
         }
+        self.blocks = {node.name: node for leaf in interpreter.objectives.values() for node in around(leaf)}
         self._from: dict[object, set[State]] = {}
         self._sound = {state for state in self.leads if state.out.isdisjoint(hardware)}
 
@@ -103,8 +104,15 @@ class Judged:
             return [(of_hardware[word], name)]
         end, _, reason = word.partition(" for ")
         what = f"{end} {reason}" if reason else end
-        named = self.of(name) or {name}  # a block, whose time is over
-        return [(START, "") if end == "start" else (what, copy) for copy in named]
+        named = self.of(name) or {copy for copy in self.interpreter.timed if self.as_written(copy) == name}
+        return [(START, "") if end == "start" else (what, copy) for copy in named or {name}]
+
+    def as_written(self, copy: str) -> str:
+        """What a block is called of which another is a copy, or lies in one."""
+        parts = copy.split(".")
+        whole = [".".join(parts[: n + 1]) for n in range(len(parts))]
+        known = (self.blocks.get(name) for name in whole)
+        return ".".join(node.written if node else part for node, part in zip(known, parts, strict=True))
 
     def taking(self, event: Happening) -> list[tuple[State, State]]:
         """The steps that an event makes."""
