@@ -6,6 +6,9 @@ nodes and their unique table; its operators are not memoised, which makes them e
 (*Graph-based algorithms for Boolean function manipulation*, IEEE Transactions on Computers 35, 1986), written
 on pyeda's nodes. What no transition may overtake is closed by *saturation* (Ciardo, Lüttgen, Siminiceanu,
 TACAS 2001), other transitions fire one after the other in what those before them have made (*chaining*).
+It has closures of its own because, behind the protocol of :mod:`mcpn.spaces.custom_engine`,
+the Ulysse mission takes 24 s of CPU time instead of 0.5 s, and 13 s where ranks are closed in the order used
+here: the protocol moves whole sets, and saturation works on the parts of a diagram.
 """
 
 from __future__ import annotations
