@@ -29,7 +29,7 @@ CRASHES = "how often an activity crashes is not stated"
 SENTENCE = "The mission ends in {} with a probability from {} to {}."
 WITHIN = "Whatever the rates are in their intervals, the mission ends in {} with a probability from {} to {}."
 SLACK = 1e-9
-"""How far a number may lie outside of its interval: solvers round, and no digit so small is printed."""
+"""How far a number may lie outside of its interval, for solvers round; JSON prints digits beyond it, too."""
 IMPORTANCE = "What resources are worth, and how often a mode is degraded.", "no kind of claim states it"
 
 

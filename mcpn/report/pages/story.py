@@ -12,7 +12,7 @@ from mcpn.answers.claims.found import claims_found, of_verdict
 from mcpn.answers.claims.unasked import DEFEATING, UNASKED, unasked
 from mcpn.answers.kinds.by_name import OF_VERDICTS
 from mcpn.answers.verdicts.mission import NOMINAL
-from mcpn.report.failures.sentences import MOST_TOLD, NO_HARDWARE, kept, losses, spared
+from mcpn.report.failures.sentences import MOST_TOLD, kept, losses, spared
 from mcpn.report.pages.nominal_run import nominal_run, strip
 from mcpn.report.words import (
     folded,
@@ -116,7 +116,7 @@ def story(findings: Findings) -> Iterator[StoryLine]:
     yield from _nominal(findings)
     yield _success(findings)
     if findings.causes is not None:
-        yield _safety(findings)
+        yield _safety(findings, findings.causes)
         yield from _noted(findings.held("abort_after"), "Is every abort safe?", "fails")
         yield _lost(findings, findings.causes)
         yield from _claimed(findings.claims, DEFEATING)
@@ -231,7 +231,7 @@ def _left_out(findings: Findings, causes: Causes, hardware: Sequence[str]) -> It
     yield StoryLine("note", "What is lost then?", said)
 
 
-def _safety(findings: Findings) -> StoryLine:
+def _safety(findings: Findings, causes: Causes) -> StoryLine:
     """What leaves a mission that can abort no safe end."""
     asked, verdict = "What endangers the robot?", findings.check.verdicts.get("can_always_end_safely")
     if verdict is None:
@@ -242,8 +242,8 @@ def _safety(findings: Findings) -> StoryLine:
         return StoryLine(state, asked, " ".join(said))
     if verdict.holds is False:
         return _shown(findings, verdict)
-    unused = () if findings.causes is None else findings.causes.unused
-    return StoryLine("holds", asked, " ".join(kept(findings.claims, "endanger", unused)) or NO_HARDWARE)
+    said = kept(findings.claims, "endanger", causes.unused) or spared(causes, "endanger")
+    return StoryLine("holds", asked, " ".join(said))
 
 
 def _shown(findings: Findings, verdict: Verdict) -> StoryLine:
