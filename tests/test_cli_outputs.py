@@ -21,6 +21,19 @@ DRIVERS = '[activities.go]\nprocess = ["true"]\n'
 TREE = '<root BTCPP_format="4"><BehaviorTree ID="M"><Go/></BehaviorTree></root>'
 
 
+def refused(asked: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Asks a command, which writes nothing and says of a file that it cannot be written."""
+    monkeypatch.chdir(folder)
+    texts = {"mission.xml": MISSION, "robot.xml": ROBOT, "tree.xml": TREE}
+    texts |= {"drivers.toml": DRIVERS, "net.net": "net n\npl p (1)\ntr t p -> q\n"}
+    for name, text in texts.items():
+        Path(name).write_text(text)
+    found = mcpn(*asked.split())
+    assert found.returncode == 2
+    assert "cannot be written: " in found.stderr
+    assert {path.name: path.read_text() for path in folder.iterdir()} == texts
+
+
 @pytest.mark.parametrize(
     "asked",
     [
@@ -46,15 +59,7 @@ TREE = '<root BTCPP_format="4"><BehaviorTree ID="M"><Go/></BehaviorTree></root>'
 def test_no_command_writes_over_what_it_reads_or_writes(
     asked: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.chdir(tmp_path)
-    texts = {"mission.xml": MISSION, "robot.xml": ROBOT, "tree.xml": TREE}
-    texts |= {"drivers.toml": DRIVERS, "net.net": "net n\npl p (1)\ntr t p -> q\n"}
-    for name, text in texts.items():
-        Path(name).write_text(text)
-    found = mcpn(*asked.split())
-    assert found.returncode == 2
-    assert "cannot be written: " in found.stderr
-    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == texts
+    refused(asked, tmp_path, monkeypatch)
 
 
 @pytest.mark.parametrize(
@@ -73,14 +78,7 @@ def test_where_no_file_can_be_is_said_before_anything_is_written(
     asked: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The controller was written before its certificate was refused, which is half of what was asked for."""
-    monkeypatch.chdir(tmp_path)
-    texts = {"mission.xml": MISSION, "robot.xml": ROBOT, "drivers.toml": DRIVERS}
-    for name, text in texts.items():
-        Path(name).write_text(text)
-    found = mcpn(*asked.split())
-    assert found.returncode == 2
-    assert "cannot be written: " in found.stderr
-    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == texts
+    refused(asked, tmp_path, monkeypatch)
 
 
 def test_a_certificate_may_lie_in_the_folder_that_is_made(

@@ -60,17 +60,18 @@ class CompositeSet:
         made.space, made.parts = space, parts
         return made
 
+    def _by_size(self, other: CompositeSet) -> tuple[Mapping[str, Zdd], Mapping[str, Zdd]]:
+        """The parts of both sets, first those of which there are fewer."""
+        few, many = self.parts, other.parts
+        return (few, many) if len(few) <= len(many) else (many, few)
+
     def __and__(self, other: CompositeSet) -> CompositeSet:
-        few, many = (
-            (self.parts, other.parts) if len(self.parts) <= len(other.parts) else (other.parts, self.parts)
-        )
+        few, many = self._by_size(other)
         both = {n: met for n, part in few.items() if n in many and (met := part & many[n])}
         return self.of_parts(self.space, both)
 
     def __or__(self, other: CompositeSet) -> CompositeSet:
-        few, many = (
-            (self.parts, other.parts) if len(self.parts) <= len(other.parts) else (other.parts, self.parts)
-        )
+        few, many = self._by_size(other)
         if not few:
             return self.of_parts(self.space, many)
         return self.of_parts(

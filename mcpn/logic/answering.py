@@ -160,9 +160,12 @@ class _Answers(OpenQuestions):
         self.tell_open()
         space = self.by_space()
         ways = self.ways_to_go([] if self.questions.engine == "search" else [space])
-        first = SHORT_SLICE if self.searched else FIRST_SLICE
-        if self.typed or [*self.waiting.values()] == [SOME_DEADLOCK]:
-            first = inf if self.typed else SLICE_OF_PROOF
+        if self.typed:
+            first = inf
+        elif [*self.waiting.values()] == [SOME_DEADLOCK]:
+            first = SLICE_OF_PROOF
+        else:
+            first = SHORT_SLICE if self.searched else FIRST_SLICE
         turns = in_turns(
             ways, lambda: not self.waiting, first=first, whole=space, near=lambda: self.questions.made
         )

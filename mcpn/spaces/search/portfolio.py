@@ -248,7 +248,7 @@ class _Task:
                 return self._reached(run.run, HEURISTIC)
             yield
         # That nothing is dead the equation, with traps, often proves in less than a search takes.
-        proves = seed == 0 and budget.steps > 0 if self.goal == DEADLOCK else budget.equation
+        proves = (seed == 0 and budget.steps > 0) if self.goal == DEADLOCK else budget.equation
         return (yield from self._by_equation(budget, seed)) if proves else None
 
     def _by_equation(self, budget: Round, seed: int) -> Pausing[SearchResult | None]:
