@@ -393,11 +393,12 @@ class Judged:
     @cached_property
     def safety_left(self) -> dict[frozenset[str], bool]:
         """Whether a safe end is left after each set of losses that is played before the start."""
-        before = {frozenset(s.out.intersection(self.hardware)): s for s in self.leads if not s.begun}
-        return {
-            lost: state in self.safely([SUCCESS, ABORTED], [(REPAIRED, name) for name in lost])
-            for lost, state in before.items()
-        }
+        left = dict[frozenset[str], bool]()
+        for state in (s for s in self.leads if not s.begun):  # facts may differ before the start
+            lost = frozenset(state.out.intersection(self.hardware))
+            safe = self.safely([SUCCESS, ABORTED], [(REPAIRED, name) for name in lost])
+            left[lost] = left.get(lost, False) or state in safe
+        return left
 
     def numbers(self, kind: str, number: int) -> bool | None:
         """Whether a claim on any so many losses by the start holds, or on the most that leave a way.
