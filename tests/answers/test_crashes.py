@@ -34,6 +34,19 @@ from tests.logic.asked import ENGINES, Asked
 from tests.logic.oracle import fragile_missions
 from tests.small import mission, robot
 
+CONTENDING = """<mission name="m" xmlns="urn:mcpn:mission:1">
+  <robot name="r">
+    <hardware name="h" faulty="false"/>
+    <software name="s"/>
+    <activity name="producer" consumes="h" produces="s" faulty="true" failure_rate="1"/>
+    <activity name="work"><alternative name="best" consumes="s h"/><alternative name="last"/></activity>
+  </robot>
+  <objective name="begin" activities="work" duration="4" failure_probability="0.25"/>
+  <objective name="end" activities="work" duration="1" failure_probability="0.5"/>
+</mission>
+"""
+"""The producer waits for what the best way holds: nothing succeeds unless it has crashed before the start."""
+
 FORMS: tuple[Form, ...] = ("flat", "hierarchical", "modular")
 
 LOCALISE = """<mission name="m" xmlns="urn:mcpn:mission:1">
@@ -100,6 +113,15 @@ def test_what_recovers_meanwhile_is_there_again(engine: Engine) -> None:
     numbers = risk(Asked(compose(of), engine).prospects)
     well = 1 / 1.5
     assert numbers.success == pytest.approx(well + (1 - well) * (2 / 3) * well)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_what_is_entered_after_an_earlier_crash_alone_counts(tmp_path: Path, engine: Engine) -> None:
+    """Composition had left out the sections that are entered in no run from the start."""
+    (tmp_path / "m.xml").write_text(CONTENDING)
+    numbers = risk(Asked(compose(read_mission(tmp_path / "m.xml")), engine).prospects)
+    assert numbers.success == 0.0
+    assert numbers.importance == pytest.approx({"producer": -0.75 * 0.5})
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -245,7 +245,12 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
         kept = {("once", name) for name in part.once_on(rated)}
         return tuple(element for element in part.carried if element[0] != "once" or element in kept)
 
-    entered = {name: placed for name, placed in space.sections.items() if name in space.everything.parts}
+    entered = {
+        name: placed
+        for name, placed in space.sections.items()
+        # Importance asks what it means that something had crashed before the start, when others are entered.
+        if net.core.crashes or name in space.everything.parts
+    }
     alike: dict[SectionType, list[tuple[Element, ...]]] = {}
     for placed in entered.values():
         alike.setdefault(placed.type, []).append(carried(placed.part))
