@@ -13,12 +13,12 @@ from mcpn.answers.causes.find import Causes, find_causes
 from mcpn.answers.causes.fmeca import Row, fmeca
 from mcpn.answers.claims import Claim, all_claims, claims_of
 from mcpn.answers.claims.of_risk import claims_of_risk
-from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
+from mcpn.answers.spaces_by_engine import MissionSpaces, MissionSubject, spaces_of
 from mcpn.answers.verdicts.mission import MissionCheck, check
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.errors import LimitError, McpnError, SemanticsError
-from mcpn.mission.static.intervals import at_their_means
+from mcpn.mission.static.interval_rates import at_their_means
 from mcpn.robot.runtime.controller_tables import Tables
 from mcpn.spaces.engine_names import LOCAL
 from mcpn.steps import Doing, step

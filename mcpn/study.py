@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from mcpn.answers.causes.find import Causes
     from mcpn.answers.safety import SafetyAnswer
-    from mcpn.answers.spaces import MissionSpaces
+    from mcpn.answers.spaces_by_engine import MissionSpaces
     from mcpn.answers.state_sets import FoundStates
     from mcpn.answers.verdicts.mission import MissionCheck
     from mcpn.controller.generate import Form
@@ -41,8 +41,8 @@ if TYPE_CHECKING:
     from mcpn.drawing.compose import MissionNet
     from mcpn.drawing.templates import TemplateSet
     from mcpn.findings import Findings
-    from mcpn.logic.asking import Questions
     from mcpn.logic.behaviour import NetCheck
+    from mcpn.logic.questions import Questions
     from mcpn.logic.session import Answer
     from mcpn.logic.structure import Structure
     from mcpn.mission.model import Mission
@@ -147,7 +147,7 @@ class Study:
             from mcpn.spaces.registry import Spaces
 
             return Spaces(self._subject)
-        from mcpn.answers.spaces import MissionSpaces
+        from mcpn.answers.spaces_by_engine import MissionSpaces
         from mcpn.drawing.compose import MissionNet, compose
 
         mission_net = (
@@ -180,7 +180,7 @@ class Study:
         if self.is_net:
             source = None if self.file is None else Source(str(self.file))
             raise InputError.at(source, f"found a net, expected a mission: {question} is asked of missions")
-        from mcpn.answers.spaces import spaces_of
+        from mcpn.answers.spaces_by_engine import spaces_of
 
         return spaces_of(self.spaces)
 
@@ -290,7 +290,7 @@ class Study:
             >>> questions.answer("EF deadlock").holds
             True
         """
-        from mcpn.logic.asking import Questions
+        from mcpn.logic.questions import Questions
 
         spaces = self.spaces.bound(**asked)
         key = on, tuple(fair), spaces.engine, spaces.max_states

@@ -163,7 +163,7 @@ def test_the_wing_of_nets_has_no_word_of_missions() -> None:
 
 
 AS_WRITTEN = {
-    "answers/claims/found.py": "what handlers lead to, for as_written.py",
+    "answers/claims/of_check.py": "what handlers lead to, for as_written.py",
     "answers/mission_names.py": "what a formula may say in place of an unknown name",
     "answers/verdicts/nominal.py": "what runs for others, for as_written.py",
     "answers/verdicts/unreachable.py": "what handlers lead to, for as_written.py",
@@ -270,7 +270,7 @@ def test_engines_are_built_in_one_place() -> None:
     } | {"spaces/registry.py": builders(PACKAGE / "spaces" / "registry.py")}
     assert found == {
         "spaces/registry.py": BUILDERS | SPACES - {"CompositeSpace"},
-        "answers/spaces.py": COMPOSERS,
+        "answers/spaces_by_engine.py": COMPOSERS,
     }
 
 

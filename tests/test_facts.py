@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, event, given, settings
 
 from mcpn.answers.mission_names import MissionNames
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.answers.verdicts.mission import check
 from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 from mcpn import xmlio
 from mcpn.errors import InputError
-from mcpn.logic.asking import Questions
 from mcpn.logic.contest import NAMESPACES, read_properties
+from mcpn.logic.questions import Questions
 from mcpn.mission import misfits
 from mcpn.mission.xml import read_mission
 from mcpn.nets.formats import read_net

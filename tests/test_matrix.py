@@ -15,14 +15,14 @@ from mcpn.answers.causes.find import Causes
 from mcpn.answers.causes.fmeca import fmeca
 from mcpn.answers.causes.minimal_cut_sets import CutSet
 from mcpn.answers.causes.risk import risk
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.answers.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import flat_controller
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import InputError
-from mcpn.logic.asking import Questions
 from mcpn.logic.behaviour import Behaviour
+from mcpn.logic.questions import Questions
 from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.spaces.engine_names import Engine, On

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mcpn
-from mcpn.answers.spaces import MissionSpaces
+from mcpn.answers.spaces_by_engine import MissionSpaces
 from mcpn.cli.line import run
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError, LimitError, McpnError, SemanticsError

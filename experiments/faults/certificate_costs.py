@@ -27,7 +27,7 @@ sys.path.append(str(Path(__file__).resolve().parents[2]))
 from experiments.faults.both_checkers import compiled
 from experiments.growth.growth import FAMILIES
 from experiments.shared.missions import Parameters, generate
-from mcpn.certificates.verified import Verified, verified
+from mcpn.certificates.checked_claims import Verified, verified
 from mcpn.certificates.writing import Certificate, certificate_of, certificate_of_causes
 from mcpn.errors import InputError, LimitError, SemanticsError
 from mcpn.mission.writer import save_mission

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from mcpn.certificates.verified import GAVE_UP
+from mcpn.certificates.checked_claims import GAVE_UP
 from mcpn.errors import InputError, McpnError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
@@ -190,7 +190,7 @@ def _told(error: Exception) -> str:
 def _checked(certificate: Any, controller: Any) -> tuple[dict[str, str], dict[str, tuple[str, str]]]:
     """What becomes of each claim of a certificate, and of a controller beside it."""
     from mcpn.certificates import ctlcheck
-    from mcpn.certificates.verified import verified
+    from mcpn.certificates.checked_claims import verified
 
     with tempfile.TemporaryDirectory() as folder:
         file, document = Path(folder, "certificate"), Path(folder, "controller.json")

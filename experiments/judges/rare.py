@@ -25,7 +25,7 @@ from mcpn.answers.causes.chain import decimal
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.risk import risk
 from mcpn.answers.causes.whole_chain import whole_chain
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.drawing.compose import compose
 from mcpn.errors import McpnError
 from mcpn.mission.model import Block, Holder, Mission, Objective

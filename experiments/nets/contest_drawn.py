@@ -120,8 +120,8 @@ def answer(net: PetriNet, engine: str, seconds: int, asked: set[str], answers: C
     """Answers questions of a net, all or those asked; sends them as they come."""
     from mcpn.errors import McpnError, Source
     from mcpn.logic.answering import answer_all
-    from mcpn.logic.asking import Questions
     from mcpn.logic.contest import Property
+    from mcpn.logic.questions import Questions
     from mcpn.logic.syntax import parse
     from mcpn.spaces.formula_names import Names
 

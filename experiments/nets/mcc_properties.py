@@ -73,8 +73,8 @@ def answer_questions(
     """Answers one file, or the examinations, within CPU seconds; sends verdicts as they come."""
     from mcpn.errors import McpnError
     from mcpn.logic.answering import answer_all
-    from mcpn.logic.asking import Questions
     from mcpn.logic.contest import read_properties
+    from mcpn.logic.questions import Questions
     from mcpn.nets.formats import read_net
 
     resource.setrlimit(resource.RLIMIT_AS, (GIB << 30, GIB << 30))

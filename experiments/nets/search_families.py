@@ -219,8 +219,8 @@ def answer(net: PetriNet, bounds: int, paths: int, engine: str, seconds: int, an
     """Answers the bounds and the examinations of a net, or formulas on paths; sends them as they come."""
     from mcpn.errors import McpnError, Source
     from mcpn.logic.answering import answer_all
-    from mcpn.logic.asking import Questions
     from mcpn.logic.contest import Property
+    from mcpn.logic.questions import Questions
     from mcpn.logic.syntax import parse
     from mcpn.spaces.formula_names import Names
 

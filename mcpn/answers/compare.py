@@ -16,7 +16,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from statistics import linear_regression, median
 
-from mcpn.answers.spaces import MissionSpaces, spaces_of
+from mcpn.answers.spaces_by_engine import MissionSpaces, spaces_of
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, McpnError, SemanticsError
 from mcpn.mission.model import Mission

@@ -13,8 +13,8 @@ from mcpn.errors import InputError
 from mcpn.events import ENDING, START, Event, What
 from mcpn.logic.formulas import Justice
 from mcpn.logic.ltl.formulas import Happens
-from mcpn.mission.conditions import is_boolean, objective_done
 from mcpn.mission.core.copies import Copies, grouped
+from mcpn.mission.fact_conditions import is_boolean, objective_done
 from mcpn.mission.model import Mission, Objective, walk
 from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.nets.petri import PetriNet

@@ -11,14 +11,14 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Unpack
 
 from mcpn.answers.claims.claim import sentences
-from mcpn.answers.claims.found import claims_found, of_verdict
+from mcpn.answers.claims.of_check import claims_found, of_verdict
 from mcpn.errors import SemanticsError
 from mcpn.sentences import enumeration, shortened
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.find import GoalCauses
     from mcpn.answers.claims.claim import Claim
-    from mcpn.answers.spaces import MissionSpaces, MissionSubject
+    from mcpn.answers.spaces_by_engine import MissionSpaces, MissionSubject
     from mcpn.answers.verdicts.mission import MissionCheck
     from mcpn.spaces.engine_names import Asking
     from mcpn.spaces.run import Run
@@ -93,7 +93,7 @@ def robot_safety(
         LimitError: A limit was hit.
     """
     from mcpn.answers.mission_names import MissionNames
-    from mcpn.answers.spaces import spaces_of
+    from mcpn.answers.spaces_by_engine import spaces_of
     from mcpn.answers.verdicts.mission import ENDS_SAFELY, check
     from mcpn.logic.evaluate import Evaluation
     from mcpn.logic.syntax import parse

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from dataclasses import astuple, dataclass
 from typing import Any
 
-from mcpn.answers.spaces import MissionSpaces
+from mcpn.answers.spaces_by_engine import MissionSpaces
 from mcpn.answers.verdicts.modes import situation
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.templates import TemplateSet

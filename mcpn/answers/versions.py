@@ -18,7 +18,7 @@ from mcpn.answers.verdicts.mission import MissionCheck, check
 from mcpn.errors import InputError, LimitError, SemanticsError
 
 if TYPE_CHECKING:
-    from mcpn.answers.spaces import MissionSpaces
+    from mcpn.answers.spaces_by_engine import MissionSpaces
 
 MOST_ROWS = 50
 """Objectives up to which single failures during each of them are compared."""

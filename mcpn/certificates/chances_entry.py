@@ -19,7 +19,7 @@ from mcpn.certificates.moments_entry import REENTERED, MomentClaims
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
 from mcpn.events import What
-from mcpn.mission.static.intervals import interval_rates
+from mcpn.mission.static.interval_rates import interval_rates
 from mcpn.spaces.markings.graph import Ints
 from mcpn.spaces.stable.alternatives import AlternativesGraph
 

@@ -7,10 +7,10 @@ from typing import Any
 
 from mcpn.certificates.certcheck import VERSION
 from mcpn.drawing.compose import MissionNet
-from mcpn.mission.conditions import Condition
 from mcpn.mission.core.objectives_graph import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.core.routes import Interruption
 from mcpn.mission.fact_cases import FactCase
+from mcpn.mission.fact_conditions import Condition
 from mcpn.mission.model import TIMED_OUT
 from mcpn.mission.robot import Activity, Crash, Hardware
 from mcpn.mission.static.resource_use import Usage

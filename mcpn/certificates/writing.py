@@ -13,7 +13,7 @@ from mcpn.answers.causes.find import Causes
 from mcpn.answers.claims import Claim, claims_of, claims_of_losses
 from mcpn.answers.mission_names import MissionNames
 from mcpn.answers.requirements import AskedRequirement
-from mcpn.answers.spaces import MissionSpaces, spaces_of
+from mcpn.answers.spaces_by_engine import MissionSpaces, spaces_of
 from mcpn.answers.verdicts.mission import MissionCheck
 from mcpn.answers.verdicts.nominal import NominalRuns, meant_to_be_entered
 from mcpn.certificates import evidence

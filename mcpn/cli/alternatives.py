@@ -13,7 +13,7 @@ from mcpn.cli.printed import choice_object, emit_counts
 from mcpn.spaces.engine_names import EXPLICIT
 
 if TYPE_CHECKING:
-    from mcpn.answers.spaces import MissionSpaces
+    from mcpn.answers.spaces_by_engine import MissionSpaces
     from mcpn.spaces.algebra import Space
     from mcpn.spaces.engine_names import Asked
     from mcpn.spaces.engines import Choice

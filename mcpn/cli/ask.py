@@ -17,8 +17,8 @@ from mcpn.cli.printed import choice_object, emit_json
 if TYPE_CHECKING:
     from mcpn.answers.safety import SafetyAnswer
     from mcpn.drawing.compose import MissionNet
-    from mcpn.logic.asking import Questions
     from mcpn.logic.open_questions import ContestAnswer
+    from mcpn.logic.questions import Questions
     from mcpn.logic.session import Answer
     from mcpn.logic.witness import Witness
     from mcpn.nets.petri import PetriNet
@@ -152,7 +152,7 @@ def _print_automata(questions: Questions, formulas: tuple[str, ...], as_json: bo
     """The automata of formulas on paths, in the Hanoi format."""
     from mcpn.errors import InputError
     from mcpn.logic.ltl.automaton import translated
-    from mcpn.logic.ltl.classes import classes
+    from mcpn.logic.ltl.formula_classes import classes
     from mcpn.logic.ltl.formulas import is_of_paths, normal
     from mcpn.logic.ltl.hoa import write_hoa
     from mcpn.logic.syntax import parse_open

@@ -83,7 +83,7 @@ def causes(
     from mcpn.answers.claims import claims_of_causes
     from mcpn.answers.claims.of_risk import claims_of_risk
     from mcpn.files import write_atomically
-    from mcpn.mission.static.intervals import at_their_means, interval_rates
+    from mcpn.mission.static.interval_rates import at_their_means, interval_rates
     from mcpn.report.failures import fmeca_table, objects, risk_numbers, terminal
     from mcpn.report.failures.openpsa import beside_the_tree, open_psa
     from mcpn.report.terminal import plain
@@ -124,7 +124,7 @@ def causes(
                 unanswered = LimitError(f"numbers of risk: not computed: {error}")
     written = None
     if certificate is not None:
-        from mcpn.certificates.verified import verified
+        from mcpn.certificates.checked_claims import verified
         from mcpn.certificates.writing import certificate_of_causes
 
         with question.progress():

@@ -16,7 +16,7 @@ from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
     from mcpn.answers.verdicts.mission import MissionCheck
-    from mcpn.certificates.verified import Verified
+    from mcpn.certificates.checked_claims import Verified
     from mcpn.report.annotations import AnnotationForm
     from mcpn.spaces.engine_names import Asked
 
@@ -98,7 +98,7 @@ def check(
 
 def certified(found: MissionCheck, out: Path, max_states: int | None) -> Verified:
     """Writes the certificate of a check, and has certcheck check it."""
-    from mcpn.certificates.verified import verified
+    from mcpn.certificates.checked_claims import verified
     from mcpn.certificates.writing import certificate_of
     from mcpn.files import write_atomically
 

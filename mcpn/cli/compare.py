@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from mcpn.answers.compare import Measured, Runs
-    from mcpn.answers.spaces import MissionSpaces
+    from mcpn.answers.spaces_by_engine import MissionSpaces
 
 
 @click.command()

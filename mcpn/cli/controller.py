@@ -14,7 +14,7 @@ import click
 from mcpn.cli.exit_codes import EXIT_FAILED
 from mcpn.cli.options import FILE, Question, question
 from mcpn.cli.printed import emit_json
-from mcpn.cli.verified import require_verified
+from mcpn.cli.verified_first import require_verified
 from mcpn.errors import SemanticsError
 
 REFUSED = "not written: mcpn check says no (--unverified writes it all the same)"
@@ -141,8 +141,8 @@ def _walked(certificate: Path, controller: Path | None, listed: bool) -> str:
         listed: Whether the states of the certificate's net can be listed; else sections are walked by type.
     """
     from mcpn.certificates import ctlcheck
+    from mcpn.certificates.checked_claims import GAVE_UP, MOST, SECONDS, gave_up
     from mcpn.certificates.sections import sectionctl
-    from mcpn.certificates.verified import GAVE_UP, MOST, SECONDS, gave_up
 
     program: ModuleType = ctlcheck if listed else sectionctl
     name = program.__name__.rpartition(".")[2]

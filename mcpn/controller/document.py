@@ -94,8 +94,8 @@ from mcpn.controller.modular import AnyController, Rules
 from mcpn.controller.moves import Move, Moves
 from mcpn.drawing.compose import MissionNet
 from mcpn.events import Event, What
-from mcpn.mission.conditions import flags, noticed
 from mcpn.mission.core.objectives_graph import ElementarySection, ObjectivesGraph
+from mcpn.mission.fact_conditions import flags, noticed
 from mcpn.mission.fact_usage import FactUsage
 from mcpn.mission.robot import Parameter
 from mcpn.robot.runtime.documents import FORMAT, VERSION

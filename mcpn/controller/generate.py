@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Mapping
 from typing import Literal, Unpack, overload
 
-from mcpn.answers.spaces import MissionSubject, spaces_of
+from mcpn.answers.spaces_by_engine import MissionSubject, spaces_of
 from mcpn.composite.clash_sentences import in_mission_words
 from mcpn.composite.composite import CompositeSpace
 from mcpn.composite.section_type import SectionType

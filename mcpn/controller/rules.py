@@ -17,11 +17,11 @@ from mcpn.answers.verdicts.modes import said_as
 from mcpn.composite.composite import CompositeSpace
 from mcpn.composite.layout import idle_places
 from mcpn.composite.section_type import SectionType
-from mcpn.controller.conditions import conditions
 from mcpn.controller.decisions import EventParts
 from mcpn.controller.hierarchy import placed_machines
 from mcpn.controller.machine import Ordered, Ordering, situations
 from mcpn.controller.modular import Effect, ModularController, Rule, Rules, Shown, StatusBits
+from mcpn.controller.ordering_states import conditions
 from mcpn.controller.reaction import EventReaction, Remembering
 from mcpn.controller.reduce import Cube, levels_of, reduced
 from mcpn.controller.run_to_completion import Runner, Stopped

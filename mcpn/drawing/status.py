@@ -18,8 +18,8 @@ from typing import NamedTuple, TypeAlias
 
 from mcpn.drawing.templates.canvas import Role
 from mcpn.events import Event, What
-from mcpn.mission.conditions import all_flags, noticed
-from mcpn.mission.conditions import flags as flags_by_value
+from mcpn.mission.fact_conditions import all_flags, noticed
+from mcpn.mission.fact_conditions import flags as flags_by_value
 from mcpn.mission.robot import Crash, Fact, Hardware
 
 Element: TypeAlias = tuple[str, str]
@@ -166,7 +166,7 @@ def of_handler(name: str) -> Status:
 
 
 def of_fact(fact: Fact) -> Status:
-    """A fact, with the flags of :func:`mcpn.mission.conditions.flags`."""
+    """A fact, with the flags of :func:`mcpn.mission.fact_conditions.flags`."""
     said: dict[Role, str] = {("fact", f"{fact.name}={value}"): value for value in fact.values}
     at_start: Role = ("fact", f"{fact.name}={fact.start}")
     first, *others = all_flags(fact)

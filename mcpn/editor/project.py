@@ -14,8 +14,8 @@ from mcpn.drawing.compose import MissionNet, compose_usage
 from mcpn.editor.scan import Scan, scan
 from mcpn.errors import InputError, LimitError, Problem
 from mcpn.files import file_inside, read_bounded
-from mcpn.mission.conditions import facts_of, objective_done
 from mcpn.mission.core.flattening import flatten
+from mcpn.mission.fact_conditions import facts_of, objective_done
 from mcpn.mission.language.incremental_reader import MissionDraft
 from mcpn.mission.model import Import, Mission
 from mcpn.mission.robot import Robot

@@ -95,7 +95,7 @@ class MissionServer(LanguageServer):
     async def _explored(self, file: Path) -> None:
         for mission in Project({}).missions(file):
             process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-m", "mcpn.editor.findings", str(mission)),
+                *(sys.executable, "-m", "mcpn.editor.shown_states", str(mission)),
                 stdout=asyncio.subprocess.PIPE,
                 stderr=asyncio.subprocess.DEVNULL,
             )

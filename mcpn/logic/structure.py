@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from mcpn.errors import LimitError
-from mcpn.nets.classes import classes
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.semiflows import p_semiflows, state_machine_components, t_semiflows
 from mcpn.nets.siphons import commoner, siphons, traps
+from mcpn.nets.structural_classes import classes
 from mcpn.nets.structure import Sparse, invariants
 
 PARTS: Mapping[str, Callable[[PetriNet], Any]] = {
@@ -41,7 +41,7 @@ class Structure:
         (5, 6, True)
 
     Attributes:
-        classes: See :func:`mcpn.nets.classes.classes`.
+        classes: See :func:`mcpn.nets.structural_classes.classes`.
         parts: What was found, by the names of :data:`PARTS`.
         left_out: What was left out, and which limit was hit.
     """

@@ -27,11 +27,11 @@ from mcpn.mission.model import (
     Use,
     walk,
 )
+from mcpn.mission.passes.facts_and_timeouts import becoming_problems, of_missions
 from mcpn.mission.passes.guards import guard_problems, of_branches
 from mcpn.mission.passes.name_clashes import clashes
 from mcpn.mission.passes.pauses import no_siblings, pause_problems
 from mcpn.mission.passes.recovery import recovery_problems
-from mcpn.mission.passes.wholes import becoming_problems, of_missions
 from mcpn.mission.reason_errors import ReasonChecks
 from mcpn.mission.robot import Activity, Element
 

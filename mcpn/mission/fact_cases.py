@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from mcpn.mission.conditions import Condition
+from mcpn.mission.fact_conditions import Condition
 
 
 class FactCase(NamedTuple):

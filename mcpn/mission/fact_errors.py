@@ -7,7 +7,7 @@ from functools import cached_property
 
 from mcpn.did_you_mean import Hints, did_you_mean
 from mcpn.errors import Problem, Source
-from mcpn.mission.conditions import is_boolean, objective_done, word
+from mcpn.mission.fact_conditions import is_boolean, objective_done, word
 from mcpn.mission.language.datatypes import CONDITION, CORE_OUTCOME, OCCASION, OUTCOME, VALUE
 from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Use, walk
 from mcpn.mission.robot import Fact, FactChange

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 
-from mcpn.mission.conditions import Condition, all_flags, flags, resolved
 from mcpn.mission.core.objectives_graph import ElementarySection, ObjectivesGraph, Section
+from mcpn.mission.fact_conditions import Condition, all_flags, flags, resolved
 from mcpn.mission.model import Mission, walk
 from mcpn.mission.robot import Fact
 

@@ -10,8 +10,8 @@ import re
 from collections.abc import Iterator
 
 from mcpn.errors import Problem
-from mcpn.mission.conditions import conditions, required, word
 from mcpn.mission.core.objectives_graph import ObjectivesGraph
+from mcpn.mission.fact_conditions import conditions, required, word
 from mcpn.mission.fact_usage import FactUsage
 from mcpn.mission.model import Mission, Objective, walk
 from mcpn.mission.robot import Fact

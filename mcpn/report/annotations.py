@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 from urllib.parse import quote
 
 from mcpn import __version__
-from mcpn.answers.claims.found import of_verdict
+from mcpn.answers.claims.of_check import of_verdict
 from mcpn.answers.kinds.by_name import OF_VERDICTS
 from mcpn.answers.verdicts.mission import required_of
 from mcpn.errors import Problem, Source

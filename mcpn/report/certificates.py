@@ -10,7 +10,7 @@ from mcpn.report.terminal import Terminal
 from mcpn.sentences import shortened
 
 if TYPE_CHECKING:
-    from mcpn.certificates.verified import Verified
+    from mcpn.certificates.checked_claims import Verified
 
 NONE_CHECKED = "no claim is checked by certcheck: reader, templates, kernel and engines are trusted"
 """What is trusted of a check without a certificate."""

@@ -6,8 +6,8 @@ from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
 from mcpn.answers.claims.claim import sentences, told
-from mcpn.answers.claims.found import of_verdict
 from mcpn.answers.claims.made import claims_of
+from mcpn.answers.claims.of_check import of_verdict
 from mcpn.answers.claims.unasked import DEFEATING, UNASKED, runs_of_unasked, unasked
 from mcpn.answers.kinds.by_name import OF_VERDICTS
 from mcpn.report.terminal import Terminal

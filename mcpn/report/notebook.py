@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from mcpn.answers.causes.find import Causes, GoalCauses
 from mcpn.answers.claims import claims_of_causes
-from mcpn.answers.claims.found import of_verdict
+from mcpn.answers.claims.of_check import of_verdict
 from mcpn.answers.mission_names import MissionNames
 from mcpn.answers.verdicts.mission import MissionCheck, Verdict
 from mcpn.controller.hierarchy import TableController

@@ -19,7 +19,7 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mcpn.answers.claims.found import of_verdict
+from mcpn.answers.claims.of_check import of_verdict
 from mcpn.errors import InputError
 from mcpn.mission.model import Mission
 from mcpn.report.assets import environment
@@ -36,7 +36,7 @@ from mcpn.version import VERSION
 
 if TYPE_CHECKING:
     from mcpn.answers.verdicts.mission import MissionCheck
-    from mcpn.certificates.verified import Verified
+    from mcpn.certificates.checked_claims import Verified
     from mcpn.errors import Problem, Source
     from mcpn.findings import Findings
     from mcpn.mission.model import Mission

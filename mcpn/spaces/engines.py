@@ -1,8 +1,8 @@
-"""Which engine a question is asked of, and why: the order for nets; answers/spaces.py has that for missions.
+"""Which engine a question is asked of, and why: the order for nets (answers/spaces_by_engine.py: missions).
 
 Where the user names no engine (``auto``), the engines are asked in the order of what they promise, and the
 first that answers is taken. Of a net a diagram holds all markings, however many there are; the order for
-missions is that of :mod:`mcpn.answers.spaces`.
+missions is that of :mod:`mcpn.answers.spaces_by_engine`.
 """
 
 from __future__ import annotations

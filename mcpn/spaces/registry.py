@@ -127,7 +127,7 @@ class Spaces:
 
     What questions must know of what the net means is asked here, too: which graph they speak of, what names
     stand for, which engine comes first. Here it means nothing but itself; for a mission's net,
-    :class:`mcpn.answers.spaces.MissionSpaces` says more.
+    :class:`mcpn.answers.spaces_by_engine.MissionSpaces` says more.
 
     Args:
         net: The net; an attribute, too.

@@ -8,7 +8,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from mcpn.mission.conditions import objective_done, word
+from mcpn.mission.fact_conditions import objective_done, word
 from mcpn.mission.language.forms import form_of
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission, Protocol
 from mcpn.mission.robot import Alternative, Element

@@ -24,10 +24,10 @@ from mcpn.mission.model import (
     Use,
     walk,
 )
+from mcpn.mission.passes.facts_and_timeouts import becoming_problems
 from mcpn.mission.passes.guards import guard_problems
 from mcpn.mission.passes.pauses import pause_problems
 from mcpn.mission.passes.recovery import recovery_problems
-from mcpn.mission.passes.wholes import becoming_problems
 from mcpn.mission.reason_errors import ReasonChecks
 from mcpn.mission.reasons import is_whole, reason
 from mcpn.mission.rewriting.siblings import helping

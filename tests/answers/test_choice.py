@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 
 from mcpn.answers.causes.find import find_causes
-from mcpn.answers.spaces import FEW, MissionSpaces, spaces_of
+from mcpn.answers.spaces_by_engine import FEW, MissionSpaces, spaces_of
 from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.templates import PaperTemplates
 from mcpn.errors import LimitError
-from mcpn.logic.asking import Questions
+from mcpn.logic.questions import Questions
 from mcpn.mission.model import Objective
 from mcpn.mission.xml import read_mission
 from mcpn.spaces.engine_names import Engine, On

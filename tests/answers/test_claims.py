@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from mcpn.answers.causes.fmeca import fmeca
 from mcpn.answers.causes.prospects import Prospects
-from mcpn.answers.claims import KINDS, Claim, claims_of, claims_of_causes, claims_of_losses, entries, found
+from mcpn.answers.claims import KINDS, Claim, claims_of, claims_of_causes, claims_of_losses, entries, of_check
 from mcpn.answers.claims.parts import FormulaParts
 from mcpn.answers.claims.unasked import DEFEATING, UNASKED
 from mcpn.errors import ConfluenceError, LimitError, UnsafeError
@@ -331,7 +331,7 @@ def test_of_many_objectives_one_claim_says_what_is_so_of_the_others(
         '<objective name="c" activities="wait"/>'
     )
     every = of(text, tmp_path)
-    for module in (entries, found):
+    for module in (entries, of_check):
         monkeypatch.setattr(module, "MOST_PAIRS", 1)
     some = of(text, tmp_path)
     assert {key for key in every if key not in some} == {

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.risk import Risk, risk
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.drawing.compose import compose
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.model import Each, Mission, Objective

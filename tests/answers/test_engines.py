@@ -6,7 +6,7 @@ import networkx as nx
 import numpy as np
 from hypothesis import event, given
 
-from mcpn.answers.spaces import MissionSpaces, spaces_of
+from mcpn.answers.spaces_by_engine import MissionSpaces, spaces_of
 from mcpn.answers.verdicts.mission import REQUIRED, MissionCheck, Verdict, _verdicts, check
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError

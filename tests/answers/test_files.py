@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from mcpn.errors import Source
 from mcpn.logic.answering import answer_all
-from mcpn.logic.asking import Questions
 from mcpn.logic.behaviour import EXAMINATIONS
 from mcpn.logic.contest import Property
+from mcpn.logic.questions import Questions
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.engine_names import Asked
 from mcpn.spaces.registry import Spaces

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import event, given
 from hypothesis import strategies as st
 
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.answers.undetected_losses import late_losses
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.model import Mission, Objective

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from experiments.faults.template_faults import FAULTS, HARMLESS, Faulty
-from mcpn.answers.spaces import MissionSpaces
+from mcpn.answers.spaces_by_engine import MissionSpaces
 from mcpn.answers.template_equivalence import Likeness, likeness, likeness_of
 from mcpn.answers.verdicts.modes import situation
 from mcpn.drawing.compose import compose

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.risk import risk
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.drawing.compose import compose
 from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Recursive
 from mcpn.spaces.engine_names import Engine

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from mcpn.answers.causes.fmeca import fmeca
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.risk import risk
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError
 from mcpn.mission.model import FactRoute, Mission, Objective, Recursive

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.risk import risk
 from mcpn.answers.reentry import blocks_entered_again
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Recursive

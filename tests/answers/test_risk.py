@@ -20,7 +20,7 @@ from mcpn.answers.causes import chain, linear_systems, passages, section_chains
 from mcpn.answers.causes.block_elimination import Elimination
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.risk import Risk, risk
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, InputError, LimitError, Source
 from mcpn.mission.model import Block, Each, Mission, Objective, Parallel, Recursive

@@ -11,7 +11,7 @@ from mcpn.answers.causes.effects import Severity
 from mcpn.answers.causes.fmeca import fmeca
 from mcpn.answers.claims import Claim, claims_of, claims_of_causes
 from mcpn.answers.claims.claim import told
-from mcpn.answers.claims.found import of_verdict
+from mcpn.answers.claims.of_check import of_verdict
 from mcpn.answers.claims.unasked import DEFEATING, UNASKED, ClaimRun, run_of, unasked
 from mcpn.mission.xml import read_mission
 from mcpn.report.failures.sentences import headlines, of_objectives

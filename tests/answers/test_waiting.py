@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.answers.verdicts.modes import situation
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
-from mcpn.logic.asking import Questions
+from mcpn.logic.questions import Questions
 from mcpn.mission.model import Mission, Objective, Parallel, Recursive
 from mcpn.mission.robot import Activity, Hardware, Robot, Software
 from mcpn.report.graphs import save_graph

@@ -12,7 +12,7 @@ from hypothesis import given, target
 
 from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import compose
-from mcpn.editor.findings import findings
+from mcpn.editor.shown_states import findings
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, walk
 from mcpn.mission.static.warnings import static_warnings

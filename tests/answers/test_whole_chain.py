@@ -24,7 +24,7 @@ from mcpn.answers.causes.chain import decimal
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.risk import risk
 from mcpn.answers.causes.whole_chain import WholeChain, whole_chain
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import pytest
 
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.answers.verdicts.mission import check
 from mcpn.answers.verdicts.modes import Situation
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import InputError
 from mcpn.events import Event, What
-from mcpn.logic.asking import Questions
+from mcpn.logic.questions import Questions
 from mcpn.mission.model import SUCCEED, Handler, Objective, Recursive
 from mcpn.mission.robot import Fact
 from mcpn.report.words import changes, event_in_words, what_happens

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 
 from mcpn.certificates import certcheck, diagcheck
-from mcpn.certificates.verified import verified
+from mcpn.certificates.checked_claims import verified
 from mcpn.certificates.writing import certificate_of, certificate_of_causes
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Mission

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from mcpn.certificates import certcheck, ctlcheck, ctlforms
 from mcpn.certificates.net_entry import net_entry
 from mcpn.certificates.writing import certificate_of
-from mcpn.controller import conditions, decisions, machine, reaction, rules
+from mcpn.controller import decisions, machine, ordering_states, reaction, rules
 from mcpn.controller import reduce as reduce_
 from mcpn.controller.document import document
 from mcpn.errors import ConfluenceError, InputError, LimitError, PremiseError, UnsafeError
@@ -251,7 +251,7 @@ FAULTS: dict[str, tuple[object, str, Wrong]] = {
     "parts arm no timer": (rules, "conditions", _without("arm")),
     "parts select nothing": (rules, "conditions", _without("select")),
     "what has been left stays": (reaction.EventReaction, "left", _empty),
-    "actions are of no objective": (conditions, "_named", _of_nothing),
+    "actions are of no objective": (ordering_states, "_named", _of_nothing),
     "rules release nothing": (machine.Ordered, "actions", _ordered_without("release")),
     "rules disarm nothing": (machine.Ordered, "actions", _ordered_without("disarm")),
     "rules start nothing": (machine.Ordered, "actions", _ordered_without("start")),

@@ -20,9 +20,9 @@ from hypothesis import strategies as st
 from experiments.faults.section_mutants import MOST, claim, core_of, mutated, played, study_of
 from mcpn.answers.claims import claims_of
 from mcpn.certificates import certcheck, corecheck, coregraph, corerobot
+from mcpn.certificates.checked_claims import verified
 from mcpn.certificates.core_entry import core_entry
 from mcpn.certificates.sections import sectioncheck, sectionforms
-from mcpn.certificates.verified import verified
 from mcpn.certificates.writing import certificate_of
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Mission

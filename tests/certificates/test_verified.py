@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.certificates.verified import verified
+from mcpn.certificates.checked_claims import verified
 from mcpn.certificates.writing import certificate_of
 from mcpn.findings import findings
 from mcpn.mission.xml import read_mission

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, event, given
 from hypothesis import strategies as st
 
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.answers.verdicts.mission import check
 from mcpn.composite.clash import Clash, Rival, find_clash
 from mcpn.composite.clash_sentences import explained, sentence

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from hypothesis import event, given
 
-from mcpn.answers.spaces import MissionSpaces
+from mcpn.answers.spaces_by_engine import MissionSpaces
 from mcpn.answers.template_equivalence import Likeness, likeness
 from mcpn.drawing.compose import compose
 from mcpn.drawing.templates import PaperTemplates

@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import event, given, settings
 
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.events import Event, What
-from mcpn.logic.asking import Questions
+from mcpn.logic.questions import Questions
 from mcpn.mission.core.objectives_graph import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import FAIL, SUCCEED, Handler, Mission, Objective, Parallel
 from mcpn.mission.robot import DeclaredEvent

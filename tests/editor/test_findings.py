@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mcpn.editor.findings import findings
+from mcpn.editor.shown_states import findings
 
 TEXT = """<mission name="m" xmlns="urn:mcpn:mission:1">
   <robot name="r"><hardware name="arm"/><activity name="lift" consumes="arm"/><activity name="rest"/>

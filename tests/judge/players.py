@@ -7,7 +7,7 @@ from contextlib import suppress
 from functools import cache
 from typing import Any, Literal, TypeAlias
 
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.minimise import minimise

@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 from hypothesis import event, given
 
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.drawing.compose import compose
-from mcpn.logic.asking import Questions
+from mcpn.logic.questions import Questions
 from mcpn.mission.model import FactRoute, Mission, Objective, Recursive
 from mcpn.mission.robot import DeclaredEvent, Fact, FactChange
 from mcpn.spaces.engine_names import Engine

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from hypothesis import event, given
 
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
-from mcpn.logic.asking import Questions
+from mcpn.logic.questions import Questions
 from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import EntryGuard, Handler, Mission, Objective, Recursive, walk
 from mcpn.mission.robot import DeclaredEvent, Fact, FactChange

@@ -12,15 +12,15 @@ from hypothesis import event, given
 
 from mcpn.answers.causes.find import find_causes
 from mcpn.answers.mission_names import MissionNames
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.answers.verdicts.mission import check
 from mcpn.answers.vocabulary import vocabulary
 from mcpn.controller.monitors.writing import monitors_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import InputError
 from mcpn.events import ENDING, Event
-from mcpn.logic.asking import Questions
 from mcpn.logic.ltl.formulas import Happens
+from mcpn.logic.questions import Questions
 from mcpn.mission.model import Handler, Mission, Objective, Protocol, Recursive, Use
 from mcpn.mission.requirement import Requirement, RestrictedAvoidance
 from mcpn.spaces.search.goal import Fires, Formula, marked

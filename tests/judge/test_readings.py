@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
-from mcpn.logic.asking import Questions
+from mcpn.logic.questions import Questions
 from mcpn.mission.model import Block, Each, EntryGuard, FactRoute, Handler, Mission, Objective, Recursive
 from mcpn.mission.robot import DeclaredEvent, Fact, FactChange
 from mcpn.spaces.engine_names import Engine

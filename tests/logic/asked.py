@@ -8,7 +8,7 @@ from typing import Any, get_args
 from mcpn.answers.causes.find import Causes, find_causes
 from mcpn.answers.causes.minimal_cut_sets import CutSet, CutSets, Moment
 from mcpn.answers.causes.prospects import Goal, Prospects
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.drawing.compose import MissionNet
 from mcpn.spaces.engine_names import Engine
 

@@ -18,9 +18,9 @@ from hypothesis import strategies as st
 
 from mcpn.errors import InputError, LimitError, Source, UnboundedError
 from mcpn.logic.answering import _Answers, answer_all
-from mcpn.logic.asking import Questions
 from mcpn.logic.contest import Property, read_properties
 from mcpn.logic.evaluate import largest
+from mcpn.logic.questions import Questions
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.diagrams import symbolic

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from mcpn.logic.answering import answer_all
-from mcpn.logic.asking import Questions
 from mcpn.logic.contest import read_properties
+from mcpn.logic.questions import Questions
 from mcpn.nets.formats import read_net
 from mcpn.spaces.engine_names import Asked
 

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from mcpn._kernel import Checker, Goals, TokenNet
 from mcpn.logic.answering import answer_all
-from mcpn.logic.asking import Questions
 from mcpn.logic.formulas import EG, EU, EX
 from mcpn.logic.on_the_fly import LocalChecks, OnTheFlyCheck
+from mcpn.logic.questions import Questions
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.nets.reduce.reduction import reduce_for_branching
 from mcpn.spaces.search.goal import TRUE, AtMost, Not

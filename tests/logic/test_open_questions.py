@@ -10,9 +10,9 @@ import pytest
 
 from mcpn.errors import Source
 from mcpn.logic.answering import _Answers, answer_all
-from mcpn.logic.asking import Questions
 from mcpn.logic.contest import Property
 from mcpn.logic.open_questions import OpenQuestions
+from mcpn.logic.questions import Questions
 from mcpn.logic.syntax import parse
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.formula_names import Names
@@ -155,7 +155,7 @@ def test_a_bound_of_a_net_on_a_diagram_loads_no_arrays() -> None:
     script = """
 import sys
 from mcpn.logic.answering import answer_all
-from mcpn.logic.asking import Questions
+from mcpn.logic.questions import Questions
 from mcpn.logic.contest import Property
 from mcpn.errors import Source
 from mcpn.testing.nets import philosophers

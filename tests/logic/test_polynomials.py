@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from mcpn.errors import InputError, Source
 from mcpn.logic.answering import answer_all
-from mcpn.logic.asking import Questions
 from mcpn.logic.contest import Property, read_properties
 from mcpn.logic.polynomials import Polynomial, added, multiplied, related
+from mcpn.logic.questions import Questions
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.formula_names import Names
 from mcpn.spaces.search.goal import as_goal, holds

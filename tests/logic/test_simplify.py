@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 
 from mcpn.errors import Source
 from mcpn.logic.answering import answer_all
-from mcpn.logic.asking import Questions
 from mcpn.logic.contest import Property
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import EG, EU, EX, says_one_state
 from mcpn.logic.implied import bounds_of, conditions, weaker
+from mcpn.logic.questions import Questions
 from mcpn.logic.simplify import simplified
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
 from mcpn.nets.structure import place_bounds

@@ -14,8 +14,8 @@ from lxml import etree
 
 from mcpn.errors import InputError
 from mcpn.logic.answering import answer_all
-from mcpn.logic.asking import Questions
 from mcpn.logic.contest import read_properties
+from mcpn.logic.questions import Questions
 from mcpn.nets.formats import read_net
 from tests.logic import judge_of_queries as judge
 

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import assume, event, given
 from hypothesis import strategies as st
 
-from mcpn.answers.spaces import MissionSpaces, spaces_of
+from mcpn.answers.spaces_by_engine import MissionSpaces, spaces_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.events import Event, What
 from mcpn.logic.answering import answer_typed
-from mcpn.logic.asking import Questions
+from mcpn.logic.questions import Questions
 from mcpn.logic.session import Answer
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.drawing.compose import MissionNet
-from mcpn.logic.asking import Questions
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import EG, EU, EX, Justice
+from mcpn.logic.questions import Questions
 from mcpn.logic.syntax import parse
 from mcpn.logic.witness import Witness, explain, scenario
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet

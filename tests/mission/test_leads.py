@@ -8,8 +8,8 @@ from itertools import product
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from mcpn.mission.conditions import Condition
 from mcpn.mission.fact_cases import Destination, FactCase, by_facts
+from mcpn.mission.fact_conditions import Condition
 
 FACTS = {"door": ("open", "shut"), "light": ("on", "off", "dim")}
 WORLDS = [dict(zip(FACTS, values, strict=True)) for values in product(*FACTS.values())]

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 import mcpn
 from mcpn.errors import InputError, Source
 from mcpn.logic.answering import answer_all
-from mcpn.logic.asking import Questions
 from mcpn.logic.behaviour import NetCheck
+from mcpn.logic.questions import Questions
 from mcpn.nets.bounds import coarse_bounds, listed_bounds, proved_bounds, weighted_bound
 from mcpn.nets.inhibitors import Inhibitor, without_inhibitors
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet

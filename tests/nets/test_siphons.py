@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 
 from mcpn.errors import LimitError
-from mcpn.nets.classes import classes
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.nets.semiflows import p_semiflows, state_machine_components, t_semiflows
 from mcpn.nets.siphons import commoner, greatest_trap, siphons, traps
+from mcpn.nets.structural_classes import classes
 from mcpn.nets.surroundings import surroundings
 from tests.nets.nets import nets, pt_nets
 from tests.shares import returns_early

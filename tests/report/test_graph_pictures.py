@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from lxml import etree
 
 import mcpn
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import InputError, LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn._kernel import MemoryLimit, SafeNet
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.composite.composing import composite_space
 from mcpn.controller.generate import generate
 from mcpn.drawing.compose import compose

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.answers.claims.found import of_verdict
+from mcpn.answers.claims.of_check import of_verdict
 from mcpn.answers.verdicts.mission import MissionCheck
 from mcpn.cli.line import run
 from mcpn.study import open_study

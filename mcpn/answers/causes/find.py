@@ -13,7 +13,7 @@ from typing import Any, Unpack
 
 from mcpn.answers.causes.minimal_cut_sets import CutSet, CutSets, Moment, Nonmonotone, Unaided
 from mcpn.answers.causes.prospects import CriticalEvent, Goal, Prospects
-from mcpn.answers.spaces import MissionSubject, spaces_of
+from mcpn.answers.spaces_by_engine import MissionSubject, spaces_of
 from mcpn.answers.verdicts.unreachable import selected_and_entered
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError

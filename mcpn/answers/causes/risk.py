@@ -34,7 +34,7 @@ from typing import Any
 from mcpn.answers.causes.chain import ListedChain
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.section_chains import ChainSection, Outlook, Sections
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.composite.composite import CompositeSpace
 from mcpn.composite.section_type import SectionType
 from mcpn.drawing.compose import MissionNet
@@ -43,7 +43,7 @@ from mcpn.drawing.sections import LocalPart
 from mcpn.drawing.status import Element
 from mcpn.errors import InputError, LimitError
 from mcpn.events import Event, What
-from mcpn.mission.conditions import all_flags
+from mcpn.mission.fact_conditions import all_flags
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.static.warnings import of_objectives
 from mcpn.spaces.arrays import ArraySet, ArraySpace

@@ -19,7 +19,7 @@ from mcpn._kernel import incoming, spread
 from mcpn.answers.causes.chain import EdgeRates, ListedChain, Number
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.risk import refuse_unknown
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
 from mcpn.events import What

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.claims.claim import Assumes, Claim
-from mcpn.answers.claims.found import plain_names
 from mcpn.answers.claims.late import LATE, late_losses
+from mcpn.answers.claims.of_check import plain_names
 from mcpn.answers.claims.parts import MOST_NAMED, FormulaParts
 from mcpn.answers.kinds.by_name import KINDS
 from mcpn.logic.evaluate import Evaluation
@@ -101,7 +101,7 @@ def claims_of_aborts(parts: FormulaParts[Any]) -> Iterator[Claim]:
 
 def _vacuous(answer: RequirementAnswer, check: MissionCheck) -> Iterator[Claim]:
     """Of each part that may be replaced by anything whether it never comes about."""
-    from mcpn.answers.claims.found import asked_formula
+    from mcpn.answers.claims.of_check import asked_formula
     from mcpn.logic.syntax import parse
 
     formula = asked_formula(answer)

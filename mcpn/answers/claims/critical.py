@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from mcpn.answers.claims.claim import Assumes, Claim
-from mcpn.answers.claims.found import plain_names
 from mcpn.answers.claims.made import some_run
+from mcpn.answers.claims.of_check import plain_names
 from mcpn.answers.kinds.by_name import KINDS
 from mcpn.events import ENDING, Event, What
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from mcpn.answers.claims.claim import Assumes, Claim
-from mcpn.answers.claims.found import MOST_PAIRS
 from mcpn.answers.claims.moments import Moments
+from mcpn.answers.claims.of_check import MOST_PAIRS
 from mcpn.answers.claims.parts import FormulaParts
 from mcpn.sentences import counted, enumeration
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Generic
 from mcpn.answers.causes.minimal_cut_sets import help_in_words
 from mcpn.answers.causes.prospects import Goal
 from mcpn.answers.claims.claim import Assumes, Claim, Makers
-from mcpn.answers.claims.found import copies_by_name, plain_names
+from mcpn.answers.claims.of_check import copies_by_name, plain_names
 from mcpn.answers.claims.parts import FormulaParts, some
 from mcpn.answers.claims.reached import WORDS
 from mcpn.answers.kinds.by_name import KINDS

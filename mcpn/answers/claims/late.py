@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from mcpn.answers.claims.claim import Claim
-from mcpn.answers.claims.found import plain_names
+from mcpn.answers.claims.of_check import plain_names
 from mcpn.answers.claims.parts import FormulaParts
 from mcpn.answers.kinds.by_name import KINDS
 from mcpn.events import Event, What

@@ -11,8 +11,8 @@ from mcpn.answers.causes.minimal_cut_sets import help_in_words
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.claims.asked import with_formulas
 from mcpn.answers.claims.claim import Assumes, Claim, Makers, made_by
-from mcpn.answers.claims.found import claims_found, copies_by_name, led_to
 from mcpn.answers.claims.helped import Helped, claims_of_modes
+from mcpn.answers.claims.of_check import claims_found, copies_by_name, led_to
 from mcpn.answers.claims.of_text import claims_of_text
 from mcpn.answers.claims.parts import FormulaParts
 from mcpn.answers.claims.reached import Reached

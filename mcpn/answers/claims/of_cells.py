@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.claims.claim import Assumes, Claim
-from mcpn.answers.claims.found import MOST_PAIRS
 from mcpn.answers.claims.late import open_run
+from mcpn.answers.claims.of_check import MOST_PAIRS
 from mcpn.answers.claims.parts import FormulaParts
 from mcpn.answers.kinds.by_name import KINDS
 from mcpn.events import What

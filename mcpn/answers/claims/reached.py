@@ -9,7 +9,7 @@ from typing import Generic
 
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.claims.claim import Claim, Makers
-from mcpn.answers.claims.found import copies_by_name
+from mcpn.answers.claims.of_check import copies_by_name
 from mcpn.answers.claims.parts import FormulaParts
 from mcpn.answers.kinds.by_name import KINDS
 from mcpn.answers.verdicts.unreachable import selected_and_entered

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Unpack
 
-from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
+from mcpn.answers.spaces_by_engine import MissionSpaces, MissionSubject, spaces_of
 from mcpn.answers.verdicts.modes import Mode, functioning_modes
 from mcpn.answers.verdicts.nominal import NominalRuns
 from mcpn.answers.verdicts.unreachable import Ignored, Never, changing_nothing, never_happens

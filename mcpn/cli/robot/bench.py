@@ -67,7 +67,7 @@ def bench(
     from mcpn.controller.chances import chances_of
     from mcpn.controller.document import document
     from mcpn.files import write_folder
-    from mcpn.mission.static.intervals import at_their_means
+    from mcpn.mission.static.interval_rates import at_their_means
     from mcpn.robot.bench.fault_scripts import read_script
     from mcpn.robot.bench.runs import bench as played
     from mcpn.robot.bench.runs import nominal_run_of, one_run_of

@@ -17,7 +17,7 @@ from mcpn.cli.exit_codes import EXIT_BAD_INPUT, EXIT_FAILED, EXIT_SIGNAL
 from mcpn.cli.options import FILE, Question, question
 from mcpn.cli.printed import emit_json
 from mcpn.cli.robot.watching import monitors_for
-from mcpn.cli.verified import require_verified
+from mcpn.cli.verified_first import require_verified
 from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:

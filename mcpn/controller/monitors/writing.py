@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mcpn.answers.requirements import asked_of
-from mcpn.answers.spaces import MissionSpaces
+from mcpn.answers.spaces_by_engine import MissionSpaces
 from mcpn.controller.monitors.watched import Monitor, Watcher, on_one_path
 from mcpn.errors import InputError
 from mcpn.robot.runtime.documents import MONITORS, MONITORS_VERSION

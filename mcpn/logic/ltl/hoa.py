@@ -9,7 +9,7 @@ import json
 from collections.abc import Callable
 
 from mcpn.logic.ltl.automaton import Automaton
-from mcpn.logic.ltl.classes import classes
+from mcpn.logic.ltl.formula_classes import classes
 from mcpn.logic.ltl.formulas import atom_of
 from mcpn.spaces.search.goal import Formula
 

@@ -14,7 +14,7 @@ from itertools import chain
 
 from mcpn.errors import LimitError
 from mcpn.logic.ltl.automaton import translated
-from mcpn.logic.ltl.classes import is_stutter_insensitive
+from mcpn.logic.ltl.formula_classes import is_stutter_insensitive
 from mcpn.logic.ltl.formulas import Release, Until, atom_of, is_of_paths, normal
 from mcpn.logic.ltl.path_search import FoundPath, PathSearch
 from mcpn.nets.petri import PetriNet

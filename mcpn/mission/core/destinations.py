@@ -10,10 +10,10 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-from mcpn.mission.conditions import Condition, resolved
 from mcpn.mission.core.objectives_graph import failed_for
 from mcpn.mission.core.routes import Becoming, left_by
 from mcpn.mission.fact_cases import Destination, FactCase, by_facts
+from mcpn.mission.fact_conditions import Condition, resolved
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, TIMED_OUT, UNNAMED, Block, failing_for
 from mcpn.mission.robot import Fact
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from mcpn.mission.conditions import resolved
 from mcpn.mission.core.copies import Copies
 from mcpn.mission.core.destinations import Destinations, deciding
 from mcpn.mission.core.objectives_graph import (
@@ -26,8 +25,9 @@ from mcpn.mission.core.objectives_graph import (
 )
 from mcpn.mission.core.pause_graphs import PAUSE, end_of_pause, with_pause_graph
 from mcpn.mission.core.routes import Becoming, Interruption, Setting
-from mcpn.mission.core.scope import Scope
+from mcpn.mission.core.surrounding_handlers import Scope
 from mcpn.mission.fact_cases import Destination, by_facts
+from mcpn.mission.fact_conditions import resolved
 from mcpn.mission.model import (
     ABORT,
     FAIL,

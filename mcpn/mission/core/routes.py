@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from mcpn.errors import Source
-from mcpn.mission.conditions import Condition
 from mcpn.mission.fact_cases import FactCase
+from mcpn.mission.fact_conditions import Condition
 from mcpn.records import ValueRecord
 
 GO_ON = "go on"

@@ -300,7 +300,7 @@ CONDITION = Datatype(
     " ".join,
     refers="condition",
 )
-"""Facts that must have some values, all at once (:mod:`mcpn.mission.conditions`)."""
+"""Facts that must have some values, all at once (:mod:`mcpn.mission.fact_conditions`)."""
 VALUE = Datatype("value", "value", rf"\s*{_CHARACTER}+\s*", "a value of letters, digits and _", str.strip)
 SEVERITY = _one_of("severity", "required", "advice")
 ORDER = _one_of("order", "any", "sequenced", "ordered", "strict", "fair")

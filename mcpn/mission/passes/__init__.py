@@ -20,6 +20,7 @@ from mcpn.mission.passes.crashes import crashes
 from mcpn.mission.passes.done import done
 from mcpn.mission.passes.each import each
 from mcpn.mission.passes.early_ends import early_ends
+from mcpn.mission.passes.facts_and_timeouts import becoming, timeouts
 from mcpn.mission.passes.faults import faults
 from mcpn.mission.passes.guards import guards
 from mcpn.mission.passes.named_failures import named_failures
@@ -31,7 +32,6 @@ from mcpn.mission.passes.repeat import repeat
 from mcpn.mission.passes.retries import retries
 from mcpn.mission.passes.successors import successors
 from mcpn.mission.passes.uses import uses
-from mcpn.mission.passes.wholes import becoming, timeouts
 from mcpn.mission.rewriting.limits import measure
 
 PASSES: tuple[Callable[[Mission], Mission], ...] = (

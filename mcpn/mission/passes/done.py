@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
-from mcpn.mission.conditions import facts_of, objective_done
+from mcpn.mission.fact_conditions import facts_of, objective_done
 from mcpn.mission.model import Block, Mission, Objective
 from mcpn.mission.rewriting.blocks import everywhere
 from mcpn.mission.robot import BOOLEAN_VALUES, FactChange

@@ -12,8 +12,8 @@ from dataclasses import replace
 from typing import Any
 
 from mcpn.errors import Problem, Source
-from mcpn.mission.conditions import in_words, resolved
 from mcpn.mission.fact_cases import Destination, FactCase, by_facts
+from mcpn.mission.fact_conditions import in_words, resolved
 from mcpn.mission.language.references import cycles
 from mcpn.mission.model import FAIL, UNNAMED, Block, FactRoute, Handler, Mission, Parallel, walk
 from mcpn.mission.rewriting.blocks import in_series

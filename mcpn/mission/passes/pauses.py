@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from mcpn.errors import InputError, Problem
 from mcpn.mission.model import FAIL, UNNAMED, Block, Handler, Mission, Objective, Parallel, Recursive, walk
 from mcpn.mission.rewriting.copying import copied
-from mcpn.mission.rewriting.handlers import in_effect
+from mcpn.mission.rewriting.handlers_in_effect import in_effect
 from mcpn.mission.rewriting.limits import Counted
 from mcpn.mission.rewriting.siblings import entered, pausing, recovering
 

@@ -15,8 +15,8 @@ from itertools import combinations
 from typing import TypeAlias
 
 from mcpn.errors import Source
-from mcpn.mission.conditions import FACTS
 from mcpn.mission.core.objectives_graph import ElementarySection, ObjectivesGraph
+from mcpn.mission.fact_conditions import FACTS
 from mcpn.mission.model import Mission
 from mcpn.mission.static.contention import Contention
 from mcpn.mission.static.occasions import Occasions, occasions

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from typing import TypeAlias
 
-from mcpn.mission.conditions import FACTS, cause
+from mcpn.mission.fact_conditions import FACTS, cause
 from mcpn.mission.static.suppliers import Suppliers
 from mcpn.mission.static.switching import Switching
 

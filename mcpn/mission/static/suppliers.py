@@ -9,8 +9,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from itertools import combinations
 
-from mcpn.mission.conditions import FACTS
 from mcpn.mission.core.objectives_graph import ObjectivesGraph, ParallelSection
+from mcpn.mission.fact_conditions import FACTS
 from mcpn.mission.fact_usage import FactUsage
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Hardware
@@ -99,7 +99,7 @@ class Suppliers:
     def hardware_under(self, resource: str) -> frozenset[str]:
         """The faulty hardware whose failure may end in an error of the resource, itself included.
 
-        :data:`mcpn.mission.conditions.FACTS` is among it where a change of facts may.
+        :data:`mcpn.mission.fact_conditions.FACTS` is among it where a change of facts may.
         """
         if resource in self.hardware:
             return frozenset({resource}) if self.hardware[resource].faulty else frozenset()

@@ -15,7 +15,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from mcpn.errors import LimitError
-from mcpn.mission.conditions import cause
+from mcpn.mission.fact_conditions import cause
 
 if TYPE_CHECKING:
     from mcpn.mission.static.suppliers import Suppliers

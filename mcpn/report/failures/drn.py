@@ -23,7 +23,7 @@ import numpy as np
 
 from mcpn.answers.causes.whole_chain import WholeChain
 from mcpn.answers.verdicts.modes import Situation, situation
-from mcpn.mission.static.intervals import at_their_means
+from mcpn.mission.static.interval_rates import at_their_means
 
 NOT_OF_NAMES = re.compile(r"\W", re.ASCII)
 

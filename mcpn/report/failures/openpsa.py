@@ -37,7 +37,7 @@ from mcpn.mission.core.objectives_graph import (
 )
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Crash, Hardware
-from mcpn.mission.static.intervals import at_their_means
+from mcpn.mission.static.interval_rates import at_their_means
 from mcpn.mission.static.resource_use import Usage
 from mcpn.report.terminal import plain
 from mcpn.sentences import enumeration, shortened

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from mcpn.answers.causes.find import Causes, Survival
 from mcpn.answers.claims.claim import Claim, sentences, told
 from mcpn.answers.claims.entries import GOALS, claims_of_survival
-from mcpn.answers.claims.found import plain_names
+from mcpn.answers.claims.of_check import plain_names
 from mcpn.answers.claims.of_objectives import BEFOREHAND, claims_of_objective
 from mcpn.answers.claims.of_risk import ROUNDING
 from mcpn.answers.kinds.by_name import KINDS

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.claims.claim import Claim, sentences, told
-from mcpn.answers.claims.found import claims_found, of_verdict
+from mcpn.answers.claims.of_check import claims_found, of_verdict
 from mcpn.answers.claims.unasked import DEFEATING, UNASKED, unasked
 from mcpn.answers.kinds.by_name import OF_VERDICTS
 from mcpn.answers.verdicts.mission import NOMINAL

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
+from mcpn.answers.spaces_by_engine import MissionSpaces, MissionSubject, spaces_of
 from mcpn.errors import InputError
 from mcpn.report.pictures.drawing import Drawing
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from mcpn.answers.spaces import MissionSpaces
+from mcpn.answers.spaces_by_engine import MissionSpaces
 from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.controller.hierarchy import SectionMachine, TableController, section_machine
 from mcpn.controller.machine import PlannedAction

@@ -6,7 +6,7 @@ The paper's colours: what is internal to a unit is red, a place that no stable m
 
 from __future__ import annotations
 
-from mcpn.answers.spaces import MissionSpaces
+from mcpn.answers.spaces_by_engine import MissionSpaces
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.nets.petri import PetriNet

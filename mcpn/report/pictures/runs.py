@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable
 from itertools import chain
 from typing import NamedTuple
 
-from mcpn.answers.spaces import MissionSpaces
+from mcpn.answers.spaces_by_engine import MissionSpaces
 from mcpn.answers.verdicts.mission import MissionCheck, check, required_of
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError

@@ -15,10 +15,10 @@ from math import inf
 from typing import TypeAlias
 
 from mcpn.errors import LimitError
-from mcpn.nets.classes import classes
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.nets.repeatable import repeatable
 from mcpn.nets.siphons import commoner
+from mcpn.nets.structural_classes import classes
 from mcpn.nets.structure import incidence, needs
 from mcpn.spaces.search import HEURISTIC, HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION, STRUCTURE, TRAPS
 from mcpn.spaces.search.equation import Ceiling, StateEquation

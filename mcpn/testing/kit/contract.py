@@ -15,7 +15,7 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.templates import TemplateSet
 from mcpn.drawing.templates.interface import CONTROL, HAPPENING, MEETINGS, SAYING, Meeting
 from mcpn.drawing.templates.net_names import names_of
-from mcpn.mission.conditions import word
+from mcpn.mission.fact_conditions import word
 from mcpn.mission.static.resource_use import Usage
 from mcpn.nets.provenance import Provenance
 from mcpn.testing.kit.subject import Subject, Violation

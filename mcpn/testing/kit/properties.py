@@ -16,7 +16,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from mcpn.answers.spaces import MissionSpaces
+from mcpn.answers.spaces_by_engine import MissionSpaces
 from mcpn.answers.template_equivalence import likeness_of
 from mcpn.drawing.compose import compose
 from mcpn.drawing.templates import TemplateSet

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from mcpn.answers.spaces import MissionSpaces
+from mcpn.answers.spaces_by_engine import MissionSpaces
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.templates import TemplateSet
 from mcpn.mission.model import Mission

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from mcpn.errors import LimitError
 from mcpn.logic.ltl import automaton
 from mcpn.logic.ltl.automaton import translated
-from mcpn.logic.ltl.classes import classes, is_stutter_insensitive
+from mcpn.logic.ltl.formula_classes import classes, is_stutter_insensitive
 from mcpn.logic.ltl.formulas import Happens, Next, Until, always, eventually, normal
 from mcpn.logic.ltl.hoa import write_hoa
 from mcpn.logic.syntax import parse_open

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.logic.asking import Questions
+from mcpn.logic.questions import Questions
 from mcpn.nets.formats import read_net
 from mcpn.spaces.engine_names import Asked
 from tests.logic.test_ctl_contest import compare

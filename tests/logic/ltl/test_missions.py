@@ -10,13 +10,13 @@ from hypothesis import event, given, reject
 from hypothesis import strategies as st
 
 from mcpn.answers.mission_names import MissionNames
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.composite.composing import composite_space
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
-from mcpn.logic.asking import Questions
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.ltl.formulas import Happens, SomePath, normal
+from mcpn.logic.questions import Questions
 from mcpn.mission.model import Mission
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.arrays import ArraySpace

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import assume, event, given
 from hypothesis import strategies as st
 
-from mcpn.logic.asking import Questions
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import Justice, every_path, on_one_path, says_paths, some_path
 from mcpn.logic.ltl.automaton import translated
 from mcpn.logic.ltl.formulas import SomePath, is_of_paths, normal
 from mcpn.logic.ltl.parts import PathParts
 from mcpn.logic.ltl.path_search import FoundPath, PathSearch
+from mcpn.logic.questions import Questions
 from mcpn.logic.syntax import parse, parse_open
 from mcpn.logic.without_space import Known
 from mcpn.logic.witness import explain

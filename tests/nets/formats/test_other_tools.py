@@ -9,7 +9,7 @@ import pytest
 
 import mcpn
 from mcpn.errors import InputError
-from mcpn.logic.asking import Questions
+from mcpn.logic.questions import Questions
 from mcpn.nets.formats import read_net, save_net
 from mcpn.nets.formats.pnml import NET_TYPES
 from mcpn.nets.petri import PetriNet

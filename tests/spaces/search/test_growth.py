@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from mcpn.errors import Source
 from mcpn.logic.answering import answer_all
-from mcpn.logic.asking import Questions
 from mcpn.logic.contest import Property
+from mcpn.logic.questions import Questions
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.markings.counted import explore_markings
 from mcpn.spaces.search.facts import Facts

@@ -1,8 +1,8 @@
 """What an editor shows beside a mission's names, of its states: found by a process that can be ended.
 
-``python -m mcpn.editor.findings mission.xml`` prints one JSON object: ``names``, Markdown by objective and
-hardware; ``problems``, each with file, line and message, of verdicts and requirements that do not hold and of
-what never happens.
+``python -m mcpn.editor.shown_states mission.xml`` prints one JSON object: ``names``, Markdown by objective
+and hardware; ``problems``, each with file, line and message, of verdicts and requirements that do not
+hold and of what never happens.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ def findings(file: Path) -> dict[str, Any]:
     """Modes and cut sets by objective, what each hardware resource can make fail, and problems."""
     from mcpn.answers.claims import claims_of_causes
     from mcpn.answers.claims.claim import sentences
-    from mcpn.answers.claims.found import of_verdict
+    from mcpn.answers.claims.of_check import of_verdict
     from mcpn.mission.core.copies import grouped
     from mcpn.report.failures.sentences import conditions, losses
     from mcpn.report.words import modes_in_words

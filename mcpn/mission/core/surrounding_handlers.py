@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from mcpn.mission.core.copies import BlockPosition
 from mcpn.mission.core.routes import Interruption
 from mcpn.mission.model import Block, Recursive
-from mcpn.mission.rewriting.handlers import in_effect
+from mcpn.mission.rewriting.handlers_in_effect import in_effect
 
 
 @dataclass(frozen=True, slots=True)
