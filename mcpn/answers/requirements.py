@@ -1,4 +1,4 @@
-"""What a mission says that it must satisfy: its requirements, answered on its stable states."""
+"""Requirements answered on stable states, and said: they hold, fail by a run, or hold but say nothing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Translates decorators: outcomes turned round, retries, rounds, time, what data decides, unknown ones."""
+"""Translates decorators into missions: outcomes turned round, retries, rounds, time, what data decides."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The race of orders: closures under growing budgets of steps, side by side on the cores that there are.
+"""The race of orders, which is how one is chosen: closures under growing budgets, side by side on the cores.
 
 No order of places is good for every net, and none tells beforehand how good it is. So all of them work, in
 rounds: each order is given steps (:attr:`mcpn._kernel.Store.steps`), the fewer the later it stands, and twice

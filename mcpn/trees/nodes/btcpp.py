@@ -1,4 +1,4 @@
-"""Rows of the nodes of BehaviorTree.CPP, from 3.0 to 4.10."""
+"""Rows of the nodes of BehaviorTree.CPP, from 3.0 to 4.10: ports, and which outcomes each node has."""
 
 from __future__ import annotations
 
