@@ -47,8 +47,8 @@ def until(condition: Callable[[], object], seconds: float = 60.0) -> None:
 def alive(number: int) -> bool:
     """Whether a process runs; one that nobody has waited for has ended."""
     try:
-        return Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
+        return Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+    except (FileNotFoundError, ProcessLookupError):  # or it ends while it is read
         pass
     try:
         os.kill(number, 0)

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from mcpn.robot.drivers import warden
 from mcpn.robot.drivers.inbox import Inbox
 from mcpn.robot.drivers.processes import ProcessDriver, Warden, row_of
 from mcpn.robot.drivers.warden import ProcessGroup
-from tests.drivers.robots import until
+from tests.drivers.robots import alive, numbers, until
 from tests.drivers.runs import Runs
 
 DRIVER = """
@@ -152,3 +153,42 @@ def test_a_driver_that_has_been_stopped_is_forgotten(tmp_path: Path) -> None:
     begun, left = asyncio.run(played())
     assert len(begun) == 1
     assert left == []
+
+
+STUBBORN = """
+(trap '' TERM; exec sleep 60) & echo $! >children.new
+(trap '' TERM; exec setsid sleep 60) & echo $! >>children.new
+mv children.new children.pids
+wait
+"""
+
+
+def test_what_a_driver_has_started_is_gone_when_it_is_stopped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A killed process runs until the system takes it away, which may be long after the signal was sent."""
+    real = warden.send
+
+    def late(row: ProcessGroup, which: int) -> None:
+        if which == signal.SIGKILL:
+            threading.Timer(0.3, real, (row, which)).start()
+        else:
+            real(row, which)
+
+    async def played() -> list[int]:
+        keeper = Warden()
+        inbox = Inbox(lambda line: None, lambda: True)
+        driver = ProcessDriver(
+            "one", ["sh", "-c", STUBBORN], tmp_path, inbox, lambda *how: None, signal.SIGTERM, 20.0, keeper
+        )
+        await driver.start()
+        until(lambda: numbers(tmp_path))
+        assert all(map(alive, numbers(tmp_path)))
+        assert await driver.stop(20.0)
+        left = [number for number in numbers(tmp_path) if alive(number)]
+        keeper.close()
+        return left
+
+    monkeypatch.setattr(warden, "send", late)
+    assert asyncio.run(played()) == []
+    assert len(numbers(tmp_path)) == 2

@@ -252,8 +252,24 @@ class ProcessDriver:
             with suppress(ProcessLookupError, PermissionError):
                 os.killpg(self._process.pid, signal.SIGKILL)
 
+    async def _nothing_left(self) -> bool:
+        """Kills what is left of it and of all that it has started, until nothing is.
+
+        A signal is no end: a killed process runs until the system takes it away, and its hardware is its own.
+        """
+        loop = asyncio.get_running_loop()
+        until = loop.time() + warden.KILLED
+        while self._row is not None and warden.is_left(self._row):
+            if loop.time() > until:
+                return False
+            self._send(signal.SIGKILL)
+            await asyncio.sleep(warden.LOOK)
+        with suppress(TimeoutError):
+            await asyncio.wait_for(self._over.wait(), warden.KILLED)
+        return self._over.is_set()
+
     async def stop(self, grace: float) -> bool:
-        """Asks it to end, waits, and then ends it and all that it has started.
+        """Asks it to end, waits, and then ends it and all that it has started, and waits for that too.
 
         Returns:
             Whether it ended when it was asked to.
@@ -267,12 +283,8 @@ class ProcessDriver:
             asked = True
         except TimeoutError:
             asked = False
-        self._send(signal.SIGKILL)
-        if not asked:
-            try:
-                await asyncio.wait_for(self._over.wait(), warden.KILLED)
-            except TimeoutError:
-                _log.error("%s cannot be killed", self._name)
+        if not await self._nothing_left():
+            _log.error("%s cannot be killed", self._name)
         self._close()
         self._warden.forget(self._process.pid)
         return asked
