@@ -16,33 +16,42 @@ def strongly_connected(successors: Sequence[Iterable[int]]) -> list[list[int]]:
     Args:
         successors: By node, the nodes that its edges lead to.
     """
+    size = len(successors)
     components: list[list[int]] = []
-    number: dict[int, int] = {}
-    lowest: dict[int, int] = {}
+    number = [0] * size  # in the order of the walk, from 1 on; beyond all where the component is known
+    lowest = [0] * size
     waiting: list[int] = []
-    assigned = set[int]()
-    for start in range(len(successors)):
-        stack = [] if start in number else [(start, iter(successors[start]))]
+    known, count = size + 1, 0
+    for start in range(size):
+        if number[start]:
+            continue
+        count += 1
+        number[start] = lowest[start] = count
+        waiting.append(start)
+        stack = [(start, iter(successors[start]))]
         while stack:
             node, left = stack[-1]
-            if node not in number:
-                number[node] = lowest[node] = len(number)
-                waiting.append(node)
-            following = next(left, None)
-            if following is not None:
-                if following not in number:
+            least = lowest[node]
+            for following in left:
+                if not number[following]:
+                    count += 1
+                    number[following] = lowest[following] = count
+                    waiting.append(following)
                     stack.append((following, iter(successors[following])))
-                elif following not in assigned:
-                    lowest[node] = min(lowest[node], number[following])
+                    break
+                if number[following] < least:
+                    least = number[following]
+            else:
+                stack.pop()
+                if stack and least < lowest[stack[-1][0]]:
+                    lowest[stack[-1][0]] = least
+                if least == number[node]:
+                    component = [waiting.pop()]
+                    while component[-1] != node:
+                        component.append(waiting.pop())
+                    for member in component:
+                        number[member] = known
+                    components.append(sorted(component))
                 continue
-            stack.pop()
-            if stack:
-                around = stack[-1][0]
-                lowest[around] = min(lowest[around], lowest[node])
-            if lowest[node] == number[node]:
-                component = [waiting.pop()]
-                while component[-1] != node:
-                    component.append(waiting.pop())
-                components.append(sorted(component))
-                assigned.update(component)
+            lowest[node] = least
     return components
