@@ -269,21 +269,24 @@ def test_the_states_that_are_too_many_are_counted(tmp_path: Path) -> None:
     assert f"not computed: section convoy has {states:,} states" in run.stderr
 
 
-def test_without_scipy_rates_name_their_extra_and_the_rest_is_answered(
+def test_without_scipy_what_needs_it_names_its_extra_and_the_rest_is_answered(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "m.xml"
     path.write_text(TIMED)
-    for name in ("chain", "elimination", "linear_systems", "passages", "risk", "section_chains"):
+    known = output("causes", path, "--rates")["risk"]
+    for name in ("factors", "ends_by_time", "linear_systems", "risk"):
         monkeypatch.delitem(sys.modules, f"mcpn.answers.causes.{name}", raising=False)
     for name in ("scipy", "scipy.linalg", "scipy.sparse", "scipy.sparse.linalg"):
         monkeypatch.setitem(sys.modules, name, None)
-    assert mcpn("causes", path).returncode == 0
-    run = mcpn("causes", path, "--rates")
-    assert (run.returncode, run.stderr) == (2, "error: probabilities need scipy: pip install 'mcpn[risk]'\n")
+    assert output("causes", path, "--rates")["risk"] == known
+    run = mcpn("causes", path, "--rates", "--within", "PT1H")
+    said = "numbers of risk: not computed: this needs scipy: pip install 'mcpn[risk]'"
+    assert (run.returncode, run.stderr) == (2, f"error: {said}\n")
+    monkeypatch.setattr("mcpn.answers.causes.linear_systems.MOST_TOGETHER", 0)
     page = tmp_path / "page.html"
     assert mcpn("report", path, "-o", page).returncode == 0
-    assert "No numbers of risk: probabilities need scipy" in page.read_text()
+    assert "No numbers of risk: this needs scipy" in page.read_text()
 
 
 def test_events_without_a_rate_are_named(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from mcpn.answers.causes.find import Causes
 from mcpn.answers.causes.interval_bounds import proved_values
-from mcpn.answers.causes.linear_systems import Floats
+from mcpn.answers.causes.sparse import Floats
 from mcpn.answers.causes.whole_chain import WholeChain, whole_chain
 from mcpn.certificates.entries import Claimed, EvidenceError, Trusted, entry, supported
 from mcpn.certificates.furthercheck import DECIMAL, UNIT

@@ -289,7 +289,7 @@ def certificate_of_causes(
     moments = MomentClaims(causes, graph)
     every: list[Claimed | Trusted] = [*moments.all()]
     if chances:
-        from mcpn.certificates.chances_entry import chance_claims  # needs scipy
+        from mcpn.certificates.chances_entry import chance_claims  # needs numpy
 
         every += chance_claims(causes, graph, moments, printed)
     for each in every:

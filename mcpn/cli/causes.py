@@ -39,7 +39,7 @@ MOST_TOLD = 50
 @click.option(
     "--rates",
     is_flag=True,
-    help="Compute probabilities from the rates and durations of the mission (needs mcpn[risk]).",
+    help="Compute probabilities from the rates and durations of the mission (some need mcpn[risk]).",
 )
 @click.option(
     "--max-chain",
@@ -107,7 +107,6 @@ def causes(
         rows = table_of(found.prospects, wanted) if short or fmeca is not None else []
         numbers = slopes = bounded = by_then = unanswered = None
         if rates:
-            from mcpn.answers.causes.ends_by_time import within as ends_within
             from mcpn.answers.causes.interval_bounds import bounds
             from mcpn.answers.causes.risk import risk
             from mcpn.answers.causes.slopes import slopes_of
@@ -119,6 +118,8 @@ def causes(
                 if interval_rates(study.mission_net.core):
                     bounded = bounds(every.prospects)
                 if hours is not None:
+                    from mcpn.answers.causes.ends_by_time import within as ends_within  # an extra
+
                     by_then = ends_within(whole_chain(every.prospects), hours)
             except LimitError as error:  # all else is answered
                 unanswered = LimitError(f"numbers of risk: not computed: {error}")

@@ -10,17 +10,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.answers.causes import linear_systems
+from mcpn.answers.causes import factors, linear_systems
 from mcpn.answers.causes.block_elimination import Elimination
-from mcpn.answers.causes.linear_systems import (
-    Floats,
-    LayeredSystem,
-    StepSystem,
-    csc_array,
-    csr_array,
-    resolvent,
-    solver_of,
-)
+from mcpn.answers.causes.linear_systems import LayeredSystem, Layers, StepSystem, solver_of
+from mcpn.answers.causes.resolvents import TOO_SMALL, Eliminated, resolvent
+from mcpn.answers.causes.sparse import Floats, SparseMatrix
+
+
+def sparse(matrix: Floats) -> SparseMatrix:
+    """The entries of a dense matrix that are not 0."""
+    rows, columns = np.nonzero(matrix)
+    return SparseMatrix(matrix[rows, columns], rows, columns, matrix.shape)
 
 
 @given(st.data())
@@ -119,12 +119,15 @@ def test_iteration_settles_where_parts_are_left_at_unlike_rates(rates: list[floa
     assert iterated(right) == pytest.approx(resolvent(steps, leaving) @ right, rel=1e-11)
 
 
-@given(st.integers(1, 12), st.integers(0, 99), st.floats(0.0, 0.5))
-def test_layers_give_what_one_dense_system_gives(size: int, seed: int, filled: float) -> None:
-    """Drawn steps, of unknowns of which some lead to each other and others never back."""
+@given(st.integers(1, 12), st.integers(0, 99), st.floats(0.0, 0.5), st.sampled_from([0, 1 << 31]))
+def test_layers_give_what_one_dense_system_gives(size: int, seed: int, filled: float, little: int) -> None:
+    """Drawn steps, of unknowns of which some lead to each other and others never back; by factors, too."""
     random = np.random.default_rng(seed)
     steps = random.random((size, size)) * (random.random((size, size)) < filled) * 0.99 / size
-    right, system = random.random(size), LayeredSystem(csr_array(steps))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(linear_systems, "LITTLE_WORK", little)
+        system = LayeredSystem(sparse(steps), 1 - steps.sum(axis=1))
+    right = random.random(size)
     np.testing.assert_allclose(system.solved(right), np.linalg.solve(np.eye(size) - steps, right))
     forward = system.solved(right, forward=True)
     np.testing.assert_allclose(forward, np.linalg.solve(np.eye(size) - steps.T, right))
@@ -139,15 +142,55 @@ def test_of_what_is_never_come_back_to_nothing_is_filled_in(monkeypatch: pytest.
         steps[unknown, around] = 0.5
         if unknown + size < len(steps):
             steps[unknown, unknown + size] = 0.25
-    splu = linear_systems.splu
+    made = factors.factors
 
-    def counted(matrix: csc_array) -> object:
+    def counted(matrix: SparseMatrix) -> object:
         sizes.append(matrix.shape[0])
-        return splu(matrix)
+        return made(matrix)
 
-    monkeypatch.setattr(linear_systems, "splu", counted)
-    LayeredSystem(csr_array(steps))
+    monkeypatch.setattr(factors, "factors", counted)
+    monkeypatch.setattr(linear_systems, "LITTLE_WORK", 0)
+    LayeredSystem(sparse(steps), 1 - steps.sum(axis=1))
     assert sizes == [size] * sections
+
+
+@given(st.integers(1, 9), st.integers(1, 9), st.integers(0, 9999))
+def test_sparse_products_are_those_of_dense_matrices(size: int, width: int, seed: int) -> None:
+    """Entries in any order, some at one place; parts of the matrix, and the transposed one."""
+    random = np.random.default_rng(seed)
+    count = int(random.integers(0, 30))
+    rows, columns, values = (
+        random.integers(size, size=count),
+        random.integers(width, size=count),
+        np.zeros((size, width)),
+    )
+    entries = random.random(count)
+    np.add.at(values, (rows, columns), entries)
+    matrix = SparseMatrix(entries, rows, columns, (size, width))
+    right = random.random((width, 3))
+    np.testing.assert_allclose(matrix.dense, values)
+    np.testing.assert_allclose(matrix.sums, values.sum(axis=1))
+    np.testing.assert_allclose(matrix @ right, values @ right)
+    np.testing.assert_allclose(matrix @ right[:, 0], values @ right[:, 0])
+    np.testing.assert_allclose(matrix.transposed.dense, values.T)
+    some, others = np.flatnonzero(random.random(size) < 0.5), np.flatnonzero(random.random(width) < 0.5)
+    np.testing.assert_allclose(matrix.within(some, others).dense, values[some][:, others])
+
+
+@pytest.mark.parametrize("forward", [False, True])
+@given(st.integers(1, 3 * TOO_SMALL), st.integers(0, 9999), st.sampled_from([1.0, 1e-12]))
+def test_halves_give_what_the_inverse_gives(forward: bool, size: int, seed: int, rare: float) -> None:
+    """Each number relative to itself, however rarely the unknowns are left."""
+    random = np.random.default_rng(seed)
+    steps = random.random((2, size, size)) * (random.random((2, size, size)) < 0.4)
+    leaving = random.random((2, size)) * rare
+    right = random.random((2, size, 2))
+    inverse = resolvent(steps, leaving)
+    expected = (inverse.swapaxes(-1, -2) if forward else inverse) @ right
+    system = Eliminated(steps, leaving)
+    assert system.solved(right, forward=forward) == pytest.approx(expected, rel=1e-11)
+    second = system[np.array([1])].solved(right[1:], forward=forward)
+    assert second == pytest.approx(expected[1:], rel=1e-11)
 
 
 def steps_solved(
@@ -160,7 +203,7 @@ def steps_solved(
     right = random.random((2, size, 3))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(linear_systems, "MOST_TOGETHER", together)
-        found = StepSystem(csr_array(rates), out, decays).solved(right, forward=forward)
+        found = StepSystem(Layers(sparse(rates)), out, decays).solved(right, forward=forward)
     expected = []
     for decay, given_right in zip(decays, right, strict=True):
         leaving = rates.sum(axis=1) + out + decay
@@ -182,6 +225,6 @@ def test_components_of_steps_give_what_one_dense_system_gives(
 
 
 def test_small_components_have_no_factors(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(linear_systems, "splu", None)
+    monkeypatch.setattr(factors, "factors", None)
     found, expected = steps_solved(np.random.default_rng(1), 60, 1.0, together=1024, forward=True)
     assert found == pytest.approx(expected, rel=1e-12)

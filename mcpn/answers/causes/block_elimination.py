@@ -9,7 +9,7 @@ matrices are expressions first, each is evaluated once, and a row of *n* equal s
 products, wherever it leads back to.
 
 No matrix has a negative entry. What rows lack to the sum 1, the probability to leave the loop, is eliminated
-with them as one more column, so that nothing is subtracted (:mod:`mcpn.answers.causes.linear_systems`).
+with them as one more column, so that nothing is subtracted (:mod:`mcpn.answers.causes.resolvents`).
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mcpn.answers.causes.linear_systems import Floats, resolvent
+from mcpn.answers.causes.resolvents import resolvent
+from mcpn.answers.causes.sparse import Floats
 
 SPREAD = 4
 """Unknowns may be eliminated together with one that fills in fewer blocks, up to this factor."""

@@ -18,8 +18,9 @@ import numpy as np
 import numpy.typing as npt
 
 from mcpn.answers.causes.demands import entered_again, split_edges
-from mcpn.answers.causes.linear_systems import Floats, Layers, StepSystem, csc_array, csr_array
+from mcpn.answers.causes.linear_systems import Layers, StepSystem
 from mcpn.answers.causes.prospects import Goal, Prospects
+from mcpn.answers.causes.sparse import Floats, SparseMatrix
 from mcpn.drawing.status import Element
 from mcpn.events import What
 from mcpn.spaces.arrays import ArraySet, ArraySpace
@@ -378,35 +379,46 @@ class Chain:
         return self.listed.at_entries(self.graph.reaching(~self._ending, self.moving))
 
     @cached_property
-    def _matrix(self) -> csr_array:
+    def _matrix(self) -> SparseMatrix:
         """Rates between states."""
-        ways = self.graph.sources[self.moving], self.graph.targets[self.moving]
-        return csr_array((self.rates[self.moving], ways), shape=(self.graph.states,) * 2)
+        moving, states = self.moving, self.graph.states
+        rates, sources, targets = self.rates[moving], self.graph.sources[moving], self.graph.targets[moving]
+        return SparseMatrix(rates, sources, targets.astype(np.intp), (states, states))
 
-    def _steps(self, states: Ints, decays: Floats, layers: Layers | None = None) -> StepSystem:
-        """The system of some states, for several decays; what takes no time does not decay."""
-        rows = self._matrix[states]
-        within = np.zeros(self.graph.states, np.bool_)
-        within[states] = True
-        out = rows @ np.where(within, 0.0, 1.0)
-        return StepSystem(rows[:, states], out, np.multiply.outer(decays, ~self.hasty[states]), layers)
+    def _out(self, states: Ints) -> SparseMatrix:
+        """Rates from some states to the others."""
+        others = np.ones(self.graph.states, np.bool_)
+        others[states] = False
+        matrix = self._matrix
+        kept = ~others[matrix.rows] & others[matrix.columns]
+        rows = np.searchsorted(states, matrix.rows[kept])
+        return SparseMatrix(matrix.values[kept], rows, matrix.columns[kept], (len(states), self.graph.states))
 
     @cached_property
     def _inner(self) -> Ints:
         return np.flatnonzero(self._ending & ~self.listed.ended)
 
     @cached_property
+    def _outer(self) -> SparseMatrix:
+        return self._out(self._inner)
+
+    @cached_property
     def _layers(self) -> Layers:
-        return Layers(self._matrix[self._inner][:, self._inner])
+        return Layers(self._matrix.within(self._inner))
+
+    def _steps(self, decays: Floats) -> StepSystem:
+        """The system of the inner states, for several decays; what takes no time does not decay."""
+        return StepSystem(self._layers, self._outer.sums, np.multiply.outer(decays, ~self.hasty[self._inner]))
 
     @cached_property
     def _undecayed(self) -> StepSystem:
-        return self._steps(self._inner, np.zeros(1), self._layers)
+        return self._steps(np.zeros(1))
 
     def _found(self, values: Floats) -> Floats:
         """By status at the entry, what is expected of given values at all states but those in between."""
-        if len(self._inner):
-            values[self._inner] = self._undecayed.solved((self._matrix[self._inner] @ values)[None])[0]
+        right = self._outer @ values
+        if right.any():
+            values[self._inner] = self._undecayed.solved(right[None])[0]
         return self.listed.at_entries(values)
 
     def expected(self, values: Floats) -> Floats:
@@ -440,12 +452,15 @@ class Chain:
         met = np.flatnonzero(np.isin(listed.entries, inner))
         if not len(met):
             return found
-        ends = np.flatnonzero(listed.ended)
-        pairs = np.ones(len(ends)), (ends, listed.column[ends])
-        out = csc_array(self._matrix[inner] @ csr_array(pairs, shape=(self.graph.states, listed.columns))).T
+        outer = self._outer
+        to_end = listed.ended[outer.columns]
+        columns = listed.column[outer.columns[to_end]]
+        out = SparseMatrix(outer.values[to_end], columns, outer.rows[to_end], (listed.columns, len(inner)))
         begun = np.zeros((len(inner), len(met)))
         begun[np.searchsorted(inner, listed.entries[met]), np.arange(len(met))] = 1.0
         together, slow = max(1, UNKNOWNS // len(inner)), ~self.hasty[inner, None]
+        decays, kind = np.unique(race.decays, return_inverse=True)
+        at_once = self._steps(decays) if len(decays) <= together else None
         # What comes to each phase: the beginning, or what rings the last clock of those that have rung.
         coming = {0: begun}
         for level in race.levels:
@@ -453,7 +468,8 @@ class Chain:
             for begin in range(0, len(met_phases), together):
                 some = met_phases[begin : begin + together]
                 right = np.stack([coming.pop(phase) for phase in some])
-                spent = self._steps(inner, race.decays[some], self._layers).solved(right, forward=True)
+                system = self._steps(race.decays[some]) if at_once is None else at_once.of(kind[some])
+                spent = system.solved(right, forward=True)
                 for phase, times in zip(some, spent, strict=True):
                     found[phase, met] = (out @ times).T
                     for rate, after in race.ringing(phase):
@@ -477,7 +493,10 @@ class Chain:
         """The expected total gain from each of some states; 0 from all others."""
         found, states = np.zeros(self.graph.states), np.flatnonzero(inner)
         if len(states):
-            found[states] = self._steps(states, np.zeros(1)).solved(gained[states, None][None])[0, :, 0]
+            system = StepSystem(
+                Layers(self._matrix.within(states)), self._out(states).sums, np.zeros((1, len(states)))
+            )
+            found[states] = system.solved(gained[states, None][None])[0, :, 0]
         return found
 
 

@@ -19,7 +19,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mcpn.answers.causes.linear_systems import Floats, Layers, csc_array, csr_array, splu
+from mcpn.answers.causes.factors import csc_array, csr_array, splu
+from mcpn.answers.causes.linear_systems import Layers
+from mcpn.answers.causes.sparse import Floats, SparseMatrix
 from mcpn.answers.causes.whole_chain import WholeChain, leading
 from mcpn.errors import LimitError
 from mcpn.spaces.markings.graph import Mask
@@ -147,7 +149,9 @@ class Uniform:
         among = self._out[self._quick][:, self._quick]
         identity = csr_array((np.ones(len(self._quick)), (range(len(self._quick)),) * 2), shape=among.shape)
         self._within = splu(csc_array(identity - among)).solve if len(self._quick) else None
-        layers = Layers(among)
+        entries = among.tocoo()
+        ways = entries.row.astype(np.intp), entries.col.astype(np.intp)
+        layers = Layers(SparseMatrix(entries.data, *ways, entries.shape))
         around = np.union1d(*among.nonzero()).size
         depth = 1 + (around if layers.largest > 1 else max(len(layers.blocks) - 1, 0))
         # An edge to an end is taken once in a run, so that rounding there is no matter of each step.

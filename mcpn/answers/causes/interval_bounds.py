@@ -23,8 +23,9 @@ from typing import Any
 
 import numpy as np
 
-from mcpn.answers.causes.linear_systems import Floats, LayeredSystem, csr_array
+from mcpn.answers.causes.linear_systems import LayeredSystem
 from mcpn.answers.causes.prospects import Prospects
+from mcpn.answers.causes.sparse import Floats, SparseMatrix
 from mcpn.answers.causes.whole_chain import WholeChain, leading, whole_chain
 from mcpn.errors import LimitError
 from mcpn.spaces.markings.graph import Mask
@@ -92,10 +93,11 @@ def proved_values(low: WholeChain, high: WholeChain, goal: Mask, *, up: bool, pa
     def solved(rates: Floats) -> tuple[Floats, Floats]:
         """The probabilities at some rates; and their sum, or how many there are, of all further steps."""
         share = rates / np.bincount(sources, rates, states)[sources]
-        among = (number[sources] >= 0) & (number[targets] >= 0)
-        ways = number[sources[among]], number[targets[among]]
-        step = csr_array((share[among], ways), shape=(len(inner),) * 2)
-        solve = LayeredSystem(step).solved
+        begins, ends = number[sources], number[targets]
+        among, apart = (begins >= 0) & (ends >= 0), (begins >= 0) & (ends < 0)
+        step = SparseMatrix(share[among], begins[among], ends[among], (len(inner),) * 2)
+        leaving = np.bincount(begins[apart], share[apart], len(inner)).astype(np.float64)
+        solve = LayeredSystem(step, leaving).solved
         values, total = goal.astype(np.float64), np.zeros(states)
         values[inner] = solve(after(rates, goal.astype(np.float64)))
         total[inner] = solve(np.ones(len(inner)) if parts else values[inner])

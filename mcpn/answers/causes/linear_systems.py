@@ -1,52 +1,30 @@
 """Linear systems of risk, ``x = N x + b``, solved without subtraction: dense, by factors, by iteration.
 
 No number is negative in them: ``N`` holds the probabilities of steps between unknowns, what is missing in a
-row is the probability to leave them all, and the solution is a sum of products of such numbers. Where each
-of these is computed as itself, so is each unknown, however small: to a few roundings *relative to itself*.
-A failure of probability 1e-30 is as exact as a success of probability 0.9. What would spoil this is a
-difference of nearly equal numbers, and elimination has one, ``1 - N_ii`` on the diagonal. It is the
-probability to go anywhere else, so that it can be summed up instead (Grassmann, Taksar, Heyman, Operations
-Research 33, 1985; that each entry is accurate is shown by O'Cinneide, Numerische Mathematik 65, 1993).
+row is the probability to leave them all.
 
-Dense systems are solved so, and sparse ones of chains too, one component of unknowns that lead to each other
-after the other: from one to the next there are products alone. Where components are large, all have scipy's
-factors, without an exchange of rows, so that nothing but the diagonal is subtracted. What that costs is at
-most the rounding times the number of steps that are expected on the way to what is asked for (the
-componentwise condition of Skeel, Journal of the ACM 26, 1979, which of such a matrix is one more system).
-That number is computed with each solution, and where it is too large the system is solved as a dense one.
-
-scipy is an extra for its size; only this needs it.
+Dense systems are solved without subtraction (:mod:`mcpn.answers.causes.resolvents`), and sparse ones of
+chains too, one component of unknowns that lead to each other after the other: from one to the next there are
+products alone. Where components are large, all have scipy's factors, without an exchange of rows, so that
+nothing but the diagonal is subtracted. What that costs is at most the rounding times the number of steps that
+are expected on the way to what is asked for (the componentwise condition of Skeel, Journal of the ACM 26,
+1979, which of such a matrix is one more system). That number is computed with each solution, and where it is
+too large the system is solved as a dense one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from mcpn.answers.causes.resolvents import Eliminated, resolvent
+from mcpn.answers.causes.sparse import Floats, Ints, SparseMatrix
 from mcpn.errors import LimitError
 from mcpn.spaces.components import strongly_connected
-
-try:
-    from scipy.sparse import csc_array, csr_array, eye_array
-    from scipy.sparse.linalg import splu
-except ModuleNotFoundError as error:
-    raise LimitError("probabilities need scipy: pip install 'mcpn[risk]'") from error
-
-__all__ = [
-    "LayeredSystem",
-    "Layers",
-    "StepSystem",
-    "csc_array",
-    "csr_array",
-    "resolvent",
-    "solver_of",
-    "splu",
-]
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.intp]
 
 CHUNK = 64
 """Right-hand sides of a system that are solved at a time."""
@@ -57,8 +35,14 @@ MOST_DENSE = 4096
 MOST_TOGETHER = 1024
 """Unknowns that lead to each other which are solved as a dense system, whichever of their steps are none."""
 
+LITTLE_WORK = 1 << 31
+"""Multiplications of the dense inverses of all components that take no longer than loading scipy does."""
+
 A_STEP = 1e-15
 """What one step costs of an unknown, relative to it: some ten roundings of 1.1e-16."""
+
+ROOM = 1 << 20
+"""Entries of dense systems that are eliminated together: so Python has fewer steps than one by one."""
 
 MOST_STEPS = 1e4
 """Expected steps on the way to what is asked for, up to which factors of a sparse matrix are taken."""
@@ -74,33 +58,6 @@ SPLITS = tuple(2**power for power in range(5, 11))
 
 LIKE = 1e-3
 """Shares that are this close belong to the same part."""
-
-
-def resolvent(steps: Floats, leaving: Floats) -> Floats:
-    """The inverse of ``I - N`` without subtraction, each entry accurate relative to itself.
-
-    Args:
-        steps: The matrix ``N``, no entry of which is negative, or several. Its diagonal is not looked at.
-        leaving: By row, what it lacks to the sum 1. From each row steps lead to one where that is not 0.
-
-    Returns:
-        The inverse: by unknown and right side, how often the one is expected to reach the other.
-    """
-    size = leaving.shape[-1]
-    if size == 1:
-        return np.asarray(1.0 / leaving[..., None])
-    first, last = slice(0, size // 2), slice(size // 2, size)
-    there, back = steps[..., first, last], steps[..., last, first]
-    before = resolvent(steps[..., first, first], leaving[..., first] + there.sum(axis=-1))
-    around = back @ before
-    left = (around @ leaving[..., first, None])[..., 0]
-    after = resolvent(steps[..., last, last] + around @ there, leaving[..., last] + left)
-    found = np.empty((*leaving.shape, size))
-    found[..., last, last] = after
-    found[..., last, first] = after @ around
-    found[..., first, last] = before @ there @ after
-    found[..., first, first] = before + found[..., first, last] @ around
-    return found
 
 
 def solver_of(
@@ -182,28 +139,107 @@ def _within(system: Callable[[Floats], Floats], part: Ints, size: int) -> Callab
     return within
 
 
+class Block(NamedTuple):
+    """Components of a layer that have one size.
+
+    Args:
+        members: By component, its unknowns; entries number these, those of the first component first.
+        within: Entries between unknowns of one component.
+        ahead: Entries of the members to unknowns of other components.
+        back: The transposed entries: of the members, from unknowns of other components.
+    """
+
+    members: Ints
+    within: SparseMatrix
+    ahead: SparseMatrix
+    back: SparseMatrix
+
+    @property
+    def dense(self) -> Floats:
+        """By component, the entries between its unknowns."""
+        count, size = self.members.shape
+        at = self.within.rows * size + self.within.columns % size
+        found = np.bincount(at, self.within.values, count * size * size).astype(np.float64)
+        return found.reshape(count, size, size)
+
+
 class Layers:
-    """Unknowns of sparse systems, layer by layer: those of a layer lead to each other, or to earlier layers.
+    """Unknowns of a sparse system, layer by layer: those of a layer lead to each other, or to earlier layers.
 
     Args:
         steps: Which unknowns lead to which.
 
     Attributes:
-        blocks: By layer, by size, the components of unknowns that lead to each other: one a row.
+        steps: The same.
+        blocks: By layer, by size, the components of unknowns that lead to each other.
+        every: The blocks of all layers.
         largest: How many unknowns lead to each other, at most.
     """
 
-    def __init__(self, steps: csr_array) -> None:
-        rows = [row.tolist() for row in np.split(steps.indices, steps.indptr[1:-1])][: steps.shape[0]]
-        height, layers = [-1] * len(rows), list[dict[int, list[list[int]]]]()
+    def __init__(self, steps: SparseMatrix) -> None:
+        self.steps, size = steps, steps.shape[0]
+        ends, targets = np.searchsorted(steps.rows, np.arange(1, size + 1)).tolist(), steps.columns.tolist()
+        rows = [targets[begin:end] for begin, end in zip([0, *ends], ends, strict=False)]
+        height, layers = [0] * size, list[dict[int, list[list[int]]]]()
         for component in strongly_connected(rows):
-            above = 1 + max((height[target] for i in component for target in rows[i]), default=-1)
+            # Of the component itself none has a height yet.
+            above = 0
             for i in component:
-                height[i] = above
-            layers += [{} for _ in range(above + 1 - len(layers))]
+                for target in rows[i]:
+                    if height[target] > above:
+                        above = height[target]
+            if above == len(layers):
+                layers.append({})
             layers[above].setdefault(len(component), []).append(component)
-        self.blocks: list[list[Ints]] = [[np.array(each) for each in layer.values()] for layer in layers]
-        self.largest = max((block.shape[1] for layer in self.blocks for block in layer), default=0)
+            for i in component:
+                height[i] = above + 1
+        members = [[np.array(each) for each in layer.values()] for layer in layers]
+        self.blocks: list[list[Block]] = self._parted(members)
+        self.every = [block for layer in self.blocks for block in layer]
+        self.largest = max((block.members.shape[1] for block in self.every), default=0)
+
+    def _parted(self, layers: list[list[Ints]]) -> list[list[Block]]:
+        """The entries of each block, out of those of all."""
+        each, steps = [members for layer in layers for members in layer], self.steps
+        size = steps.shape[0]
+        order = np.concatenate([np.zeros(0, np.intp), *(members.reshape(-1) for members in each)])
+        begins = np.cumsum([0, *(members.size for members in each)])
+        position, component = np.zeros((2, size), np.intp)
+        position[order] = np.arange(size)
+        component[order] = np.concatenate(
+            [np.zeros(0, np.intp), *(np.repeat(members[:, 0], members.shape[1]) for members in each)]
+        )
+        first = np.repeat(begins[:-1], np.diff(begins))
+
+        def parts(values: Floats, of: Ints, to: Ints, *, placed: bool) -> list[SparseMatrix]:
+            """By block, entries by the position that they are of; where they lead may be numbered in it."""
+            ends = np.searchsorted(of, begins)
+            rows, columns = of - first[of], position[to] - first[of] if placed else to
+            return [
+                SparseMatrix(
+                    values[begin:end],
+                    rows[begin:end],
+                    columns[begin:end],
+                    (members.size, members.size if placed else size),
+                )
+                for members, begin, end in zip(each, ends[:-1].tolist(), ends[1:].tolist(), strict=True)
+            ]
+
+        # Rows are in order: those of each position, and its entries, without sorting.
+        count = np.diff(np.searchsorted(steps.rows, np.arange(size + 1)))
+        start = (np.cumsum(count) - count)[order]
+        count = count[order]
+        entries = np.arange(len(steps.rows)) + np.repeat(start - np.cumsum(count) + count, count)
+        of, to, values = np.repeat(np.arange(size), count), steps.columns[entries], steps.values[entries]
+        among = component[order[of]] == component[to]
+        within = parts(values[among], of[among], to[among], placed=True)
+        of, to, values = of[~among], to[~among], values[~among]
+        ahead = parts(values, of, to, placed=False)
+        sources, of = order[of], position[to]
+        entries = np.argsort(of, kind="stable")
+        back = parts(values[entries], of[entries], sources[entries], placed=False)
+        blocks = map(Block, each, within, ahead, back)
+        return [[next(blocks) for _ in layer] for layer in layers]
 
 
 class StepSystem:
@@ -213,21 +249,23 @@ class StepSystem:
     too many for that the whole system has sparse factors.
 
     Args:
-        rates: Between its unknowns; the diagonal is empty.
+        layers: The rates between its unknowns; the diagonal is empty.
         out: By unknown, the rate at which all unknowns are left from there.
         decays: By system and unknown, what is added to that.
-        layers: Of its unknowns, where they are known.
     """
 
-    def __init__(self, rates: csr_array, out: Floats, decays: Floats, layers: Layers | None = None) -> None:
-        self._rates, self._out = rates, out + decays
+    def __init__(self, layers: Layers, out: Floats, decays: Floats) -> None:
+        self._layers, self._out = layers, out + decays
         self.many, self.size = self._out.shape
-        self._leaving = rates.sum(axis=1) + self._out
-        self._layers = Layers(rates) if layers is None else layers
+        self._leaving = layers.steps.sums + self._out
+
+    def of(self, some: Ints) -> StepSystem:
+        """The systems of some of its decays, which are not inverted again."""
+        found = copy(self)
+        found._out, found._leaving, found.many = self._out[some], self._leaving[some], len(some)
         if self._layers.largest <= MOST_TOGETHER:
-            self._inverses = self._inverted()
-        else:
-            self._solve = self._factored()
+            found._systems = [system[some] for system in self._systems]
+        return found
 
     def solved(self, right: Floats, *, forward: bool = False) -> Floats:
         """The solution for given right sides.
@@ -243,60 +281,59 @@ class StepSystem:
             return self._by_layers(right, forward)
         return self._by_factors(right, forward)
 
-    def _inverted(self) -> dict[int, Floats]:
-        """By size, the inverses of components, by system and component, in the order of the layers."""
-        sizes, found = dict[int, list[Ints]](), dict[int, Floats]()
-        for layer in self._layers.blocks:
-            for block in layer:
-                sizes.setdefault(block.shape[1], []).append(block)
-        for size, blocks in sizes.items():
-            members = np.concatenate(blocks)
-            place = np.full(self.size, -1)
-            place[members.reshape(-1)] = np.arange(members.size)
-            step = self._rates[members.reshape(-1)].tocoo()
-            at = place[step.col]
-            inside = at // size == step.row // size  # -1 is of no component
-            steps = np.zeros((len(members), size, size))
-            steps[step.row[inside] // size, step.row[inside] % size, at[inside] % size] = step.data[inside]
-            beyond = np.bincount(step.row[~inside], step.data[~inside], members.size).reshape(members.shape)
-            scale = 1.0 / self._leaving[:, members]
-            found[size] = resolvent(steps * scale[..., None], (beyond + self._out[:, members]) * scale)
-        return found
+    @cached_property
+    def _systems(self) -> list[Eliminated]:
+        """By block, in the order of the layers, the systems of components, by decay and component."""
+        found, alike = dict[int, Eliminated](), dict[int, list[tuple[int, Block]]]()
+        for number, block in enumerate(self._layers.every):
+            alike.setdefault(block.members.shape[1], []).append((number, block))
+        for size, numbered in alike.items():
+            together = max(1, ROOM // (self.many * size * size))
+            held = np.cumsum([len(block.members) for _, block in numbered]) // together
+            for same in np.unique(held).tolist():
+                some = [numbered[i] for i in np.flatnonzero(held == same)]
+                begin, system = 0, self._eliminated([block for _, block in some])
+                for number, block in some:
+                    found[number] = system[:, begin : begin + len(block.members)]
+                    begin += len(block.members)
+        return [found[number] for number in range(len(found))]
+
+    def _eliminated(self, blocks: Sequence[Block]) -> Eliminated:
+        """The systems of blocks of one size, one block's after the other's."""
+        members = np.concatenate([block.members for block in blocks])
+        beyond = np.concatenate([block.ahead.sums for block in blocks]).reshape(members.shape)
+        scale = 1.0 / self._leaving[:, members]
+        steps = scale[..., None] * np.concatenate([block.dense for block in blocks])
+        return Eliminated(steps, (beyond + self._out[:, members]) * scale)
 
     def _by_layers(self, right: Floats, forward: bool) -> Floats:
         """The solution, of the layers one after the other; none needs a difference of numbers."""
         given, scale = right.transpose(1, 0, 2), 1.0 / self._leaving.T[..., None]
         found, free = np.zeros(given.shape), (self.many, right.shape[2])
-        at = dict.fromkeys(self._inverses, 0)
-        ways, layers = (self._rates.T.tocsr() if forward else self._rates), list[tuple[Ints, Floats]]()
-        for layer in self._layers.blocks:
-            for block in layer:
-                count, size = block.shape
-                layers.append((block, self._inverses[size][:, at[size] : at[size] + count]))
-                at[size] += count
-        for block, inverse in reversed(layers) if forward else layers:
-            members = block.reshape(-1)
-            known = given[members] + (ways[members] @ found.reshape(self.size, -1)).reshape(-1, *free)
+        every = found.reshape(self.size, -1)
+        layers = list(zip(self._layers.every, self._systems, strict=True))
+        for block, system in reversed(layers) if forward else layers:
+            members = block.members.reshape(-1)
+            known, coming = given[members], block.back if forward else block.ahead
+            if len(coming.rows):
+                known += (coming @ every).reshape(-1, *free)
             if not forward:
                 known *= scale[members]
-            each = known.reshape(*block.shape, *free).transpose(2, 0, 1, 3)
-            solved = (inverse.swapaxes(-1, -2) if forward else inverse) @ each
-            solved = solved.transpose(1, 2, 0, 3).reshape(known.shape)
+            each = known.reshape(*block.members.shape, *free).transpose(2, 0, 1, 3)
+            solved = system.solved(each, forward=forward).transpose(1, 2, 0, 3).reshape(known.shape)
             found[members] = solved * scale[members] if forward else solved
         return found.transpose(1, 0, 2)
 
-    def _factored(self) -> Callable[..., Floats]:
-        scale, step = 1.0 / self._leaving.reshape(-1), self._rates.tocoo()
+    @cached_property
+    def _solve(self) -> Callable[..., Floats]:
+        from mcpn.answers.causes.factors import factors  # an extra
+
+        scale, step = 1.0 / self._leaving.reshape(-1), self._layers.steps
         # One block-diagonal matrix holds all systems, since each call of scipy has a cost of its own.
-        number, block = np.arange(len(scale)), np.repeat(np.arange(self.many) * self.size, step.nnz)
-        rows, columns = (np.tile(indices, self.many) + block for indices in (step.row, step.col))
-        values = np.concatenate([np.ones(len(scale)), -np.tile(step.data, self.many) * scale[rows]])
-        ends = np.concatenate([number, rows]), np.concatenate([number, columns])
-        matrix = csc_array((values, ends), shape=(len(scale),) * 2)
-        options = {"SymmetricMode": True}  # each pivot is that of the diagonal
-        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
-        solve: Callable[..., Floats] = factors.solve  # its stub does not know of transposing
-        return solve
+        block = np.repeat(np.arange(self.many) * self.size, len(step.rows))
+        rows, columns = (np.tile(each, self.many) + block for each in (step.rows, step.columns))
+        values = np.tile(step.values, self.many) * scale[rows]
+        return factors(SparseMatrix(values, rows, columns, (len(scale),) * 2), by_the_diagonal=True)
 
     def _by_factors(self, right: Floats, forward: bool) -> Floats:
         """The solution, of systems that take too many steps for factors as dense ones."""
@@ -321,7 +358,7 @@ class StepSystem:
                 f"compute exactly what comes of them; the limit on such states is {MOST_DENSE}"
             )
         scale = 1.0 / self._leaving[number]
-        inverse = resolvent(self._rates.toarray() * scale[:, None], self._out[number] * scale)
+        inverse = resolvent(self._layers.steps.dense * scale[:, None], self._out[number] * scale)
         return np.asarray(inverse.T @ right if forward else inverse @ (right * scale[:, None]))
 
 
@@ -329,19 +366,26 @@ class LayeredSystem:
     """The sparse system ``x = N x + b``, layer by layer: of what is never come back to, nothing is filled in.
 
     A layer holds unknowns that lead to each other, and others that have as many such components behind them.
-    Each has factors of its own.
+    Each has factors of its own, or where that is less work than to load scipy for it, dense inverses.
 
     Args:
         steps: ``N``.
+        leaving: By row, what it lacks to the sum 1.
     """
 
-    def __init__(self, steps: csr_array) -> None:
-        blocks = Layers(steps).blocks
-        self._layers = [np.concatenate([block.reshape(-1) for block in layer]) for layer in blocks]
-        self._ahead, self._back = steps, csr_array(steps.T)
-        self._solve: list[Callable[..., Floats]] = [  # whose stub does not know of transposing
-            splu(csc_array(eye_array(len(layer)) - steps[layer][:, layer])).solve for layer in self._layers
-        ]
+    def __init__(self, steps: SparseMatrix, leaving: Floats) -> None:
+        layers = Layers(steps)
+        work = sum(block.members.size * block.members.shape[1] ** 2 for block in layers.every)
+        self._dense = (
+            StepSystem(layers, leaving, np.zeros((1, len(leaving)))) if work <= LITTLE_WORK else None
+        )
+        self._layers, self._solve = list[Ints](), list[Callable[..., Floats]]()
+        if self._dense is None:
+            from mcpn.answers.causes.factors import factors  # an extra
+
+            self._ahead, self._back = steps, steps.transposed
+            self._layers = [np.concatenate([b.members.reshape(-1) for b in layer]) for layer in layers.blocks]
+            self._solve = [factors(steps.within(layer)) for layer in self._layers]
 
     def solved(self, right: Floats, *, forward: bool = False) -> Floats:
         """The solution for a right side.
@@ -350,9 +394,11 @@ class LayeredSystem:
             right: By unknown.
             forward: Whether the system is the transposed one: of what has been, not of what is to come.
         """
+        if self._dense is not None:
+            return self._dense.solved(right[None, :, None], forward=forward)[0, :, 0]
         found = np.zeros(len(right))
         both = list(zip(self._layers, self._solve, strict=True))
         for layer, solve in reversed(both) if forward else both:
-            known = (self._back if forward else self._ahead)[layer] @ found
+            known = ((self._back if forward else self._ahead) @ found)[layer]
             found[layer] = solve(right[layer] + known, trans="T" if forward else "N")
         return found

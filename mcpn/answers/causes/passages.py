@@ -31,7 +31,8 @@ import numpy as np
 
 from mcpn.answers.causes.block_elimination import Elimination
 from mcpn.answers.causes.chain import Chain, Clocks, Phases
-from mcpn.answers.causes.linear_systems import MOST_DENSE, Floats, solver_of
+from mcpn.answers.causes.linear_systems import MOST_DENSE, solver_of
+from mcpn.answers.causes.sparse import Floats
 from mcpn.spaces.markings.graph import Ints, Mask
 
 MOST_BYTES = 1 << 30

@@ -25,8 +25,8 @@ from typing import Any
 import numpy as np
 
 from mcpn.answers.causes.chain import Chain, ListedChain, totals
-from mcpn.answers.causes.linear_systems import Floats
 from mcpn.answers.causes.passages import Beside, LoopSection, SectionLoop, WayThrough
+from mcpn.answers.causes.sparse import Floats
 from mcpn.drawing.status import Element
 from mcpn.errors import LimitError
 from mcpn.mission.core.objectives_graph import ElementarySection

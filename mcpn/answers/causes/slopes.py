@@ -18,8 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from mcpn.answers.causes.linear_systems import Floats, LayeredSystem, csr_array
+from mcpn.answers.causes.linear_systems import LayeredSystem
 from mcpn.answers.causes.prospects import Prospects
+from mcpn.answers.causes.sparse import Floats, SparseMatrix
 from mcpn.answers.causes.whole_chain import WholeChain, leading, whole_chain
 from mcpn.spaces.markings.graph import Mask
 
@@ -54,14 +55,17 @@ def slopes(chain: WholeChain) -> Mapping[str, float]:
     inner = np.flatnonzero(leading(chain, ends) & ~ends)
     leaving = np.bincount(chain.sources, chain.rates, chain.states)
     step = chain.rates / leaving[chain.sources]
-    jumps = csr_array((step, (chain.sources, chain.targets)), shape=(chain.states, chain.states))[inner]
-    system = LayeredSystem(jumps[:, inner]) if len(inner) else None
+    every, apart = np.arange(chain.states), np.ones(chain.states)
+    apart[inner] = 0.0
+    jumps = SparseMatrix(step, chain.sources, chain.targets, (chain.states,) * 2).within(inner, every)
+    among = jumps.within(np.arange(len(inner)), inner)
+    system = LayeredSystem(among, jumps @ apart) if len(inner) else None
 
     def reaching(goal: Mask) -> Floats:
         """How probable some ends are, by state."""
         found = goal.astype(np.float64)
         if system is not None:
-            found[inner] = system.solved(np.asarray(jumps @ found))
+            found[inner] = system.solved(jumps @ found)
         return found
 
     hours = np.zeros(chain.states)
