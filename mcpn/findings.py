@@ -193,7 +193,7 @@ def _local_graphs(spaces: MissionSpaces) -> tuple[list[LocalGraph], list[str]]:
 
 
 def _risk(prospects: Prospects[Any]) -> Risk:
-    from mcpn.answers.causes.risk import risk  # an extra
+    from mcpn.answers.causes.risk import risk  # loads numpy
 
     return risk(prospects.within(None))
 

@@ -53,7 +53,7 @@ def _list_passes(context: click.Context, _: click.Parameter, asked: bool) -> Non
 @click.option(
     "--rates",
     is_flag=True,
-    help="Write to a .drn file the chain of a mission that has rates and durations (needs mcpn[risk]).",
+    help="Write to a .drn file the chain of a mission that has rates and durations.",
 )
 @question()
 def convert(
