@@ -223,10 +223,9 @@ class Study:
             >>> Study(philosophers(2)).behaviour().deadlock
             ('wake0', 'left0', 'wake1', 'left1')
         """
-        from mcpn.logic.behaviour import MOST_LISTED, check_net
+        from mcpn.logic.behaviour import check_net
 
-        spaces = self.spaces.bound(**within)
-        return check_net(spaces, max_states=MOST_LISTED if spaces.max_states is None else spaces.max_states)
+        return check_net(self.spaces.bound(**within))
 
     def structure(self) -> Structure:
         """What the arcs of the net prove without its markings.

@@ -161,13 +161,13 @@ class NetCheck:
     home_markings: int | None = None
 
 
-def check_net(subject: Spaces | PetriNet, *, max_states: int = MOST_LISTED) -> NetCheck:
+def check_net(subject: Spaces | PetriNet) -> NetCheck:
     """Decides the behavioural properties of a net; those that need all of infinitely many markings stay open.
 
     Args:
         subject: Any net, or its spaces. Its markings are reached as a diagram; those of a net with priorities
-            that is not 1-safe are listed one by one, up to the limit.
-        max_states: Limit for those, and for the coverability tree.
+            that is not 1-safe are listed one by one, and its coverability tree is made, within the limit that
+            spaces are bound to.
 
     Raises:
         LimitError: A limit was hit.
@@ -179,7 +179,7 @@ def check_net(subject: Spaces | PetriNet, *, max_states: int = MOST_LISTED) -> N
         (18, True, ('wake0', 'left0', 'wake1', 'left1'))
     """
     spaces = spaces_of(subject)
-    net, (space, bounded, most) = spaces.net, _reached(spaces, max_states)
+    net, (space, bounded, most) = spaces.net, _reached(spaces)
     if space is None or most is None:
         # A search may still find a deadlock, or that there is none.
         for _, found in () if net.priorities else Portfolio(net).decide([DEADLOCK]):
@@ -203,15 +203,16 @@ def check_net(subject: Spaces | PetriNet, *, max_states: int = MOST_LISTED) -> N
     )
 
 
-def _reached(spaces: Spaces, max_states: int) -> tuple[Space[Any] | None, Boundedness, int | None]:
+def _reached(spaces: Spaces) -> tuple[Space[Any] | None, Boundedness, int | None]:
     """The markings of a bounded net, whether it is bounded, and the most tokens in a place."""
     try:
         space = spaces.diagram
     except UnsafeError:
-        bounded = boundedness(spaces.net, max_states=max_states)
+        limit = MOST_LISTED if spaces.max_states is None else spaces.max_states
+        bounded = boundedness(spaces.net, max_states=limit)
         if not bounded.bounded:
             return None, bounded, None
-        return spaces.with_tokens(max_states), bounded, _own_most(spaces.net, bounded.bounds, bounded.bound)
+        return spaces.with_tokens(limit), bounded, _own_most(spaces.net, bounded.bounds, bounded.bound)
     except UnboundedError as error:
         return None, Boundedness(False, error.bounds, error.run, error.pump, REPEATED), None
     most = space.space.max_tokens_in_place
