@@ -9,7 +9,7 @@ import pytest
 
 from mcpn.drawing.compose import compose
 from mcpn.mission.xml import read_mission
-from mcpn.nets.formats import save_net
+from mcpn.nets.formats import READABLE, save_net
 from mcpn.robot.runtime import Controller
 from tests.commands import mcpn
 from tests.mutation import READ, SECONDS, Seeds, a_case, answer, at_most, complaint
@@ -103,7 +103,7 @@ def seeds(tmp_path_factory: pytest.TempPathFactory) -> Seeds:
     (folder / "m.xml").write_bytes(MISSION)
     net = compose(read_mission(folder / "m.xml")).net
     written: dict[str, tuple[bytes, ...]] = {".net": (LAMP, WELL)}
-    for suffix in (".pnml", ".json", ".net"):
+    for suffix in READABLE:
         save_net(net, folder / f"n{suffix}")
         written[suffix] = (*written.get(suffix, ()), (folder / f"n{suffix}").read_bytes())
     assert mcpn("controller", folder / "m.xml", "-o", folder / "made", "--unverified").returncode == 0

@@ -9,13 +9,13 @@ import pytest
 
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError
-from mcpn.nets.formats import read_net, save_net
+from mcpn.nets.formats import READABLE, WRITABLE, read_net, save_net
 from mcpn.nets.petri import PetriNet
 from tests.conftest import ROOT
 from tests.nets.nets import reachable
 
 
-@pytest.mark.parametrize("suffix", [".pnml", ".json", ".net"])
+@pytest.mark.parametrize("suffix", [suffix for suffix in READABLE if suffix in WRITABLE])
 def test_the_net_of_a_mission_is_read_back(ulysse_net: MissionNet, tmp_path: Path, suffix: str) -> None:
     warning = save_net(ulysse_net.net, tmp_path / f"u{suffix}")
     assert (warning is not None) == (suffix == ".pnml")

@@ -3,16 +3,84 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 from mcpn.errors import InputError, Source
 from mcpn.files import read_bounded, write_atomically
 from mcpn.nets.petri import PetriNet
 
-READABLE = (".pnml", ".net", ".json")
-WRITABLE = (".pnml", ".net", ".dot", ".json")
 
-_FOREIGN = {
+def _pnml(path: Path) -> PetriNet:
+    from mcpn.nets.formats.pnml import read_pnml
+
+    return read_pnml(path)
+
+
+def _to_pnml(net: PetriNet) -> bytes:
+    from mcpn.nets.formats.pnml_writer import write_pnml
+
+    return write_pnml(net)
+
+
+def _tina(path: Path) -> PetriNet:
+    from mcpn.nets.formats.tina import read_tina
+
+    return read_tina(path, read_bounded(path))
+
+
+def _to_tina(net: PetriNet) -> str:
+    from mcpn.nets.formats.tina import write_tina
+
+    return write_tina(net)
+
+
+def _to_dot(net: PetriNet) -> str:
+    from mcpn.nets.formats.dot import write_dot
+
+    return write_dot(net)
+
+
+def _json(path: Path) -> PetriNet:
+    from mcpn.nets.formats.json import read_json
+
+    return read_json(path, read_bounded(path))
+
+
+def _to_json(net: PetriNet) -> str:
+    from mcpn.nets.formats.json import write_json
+
+    return write_json(net)
+
+
+class NetFormat(NamedTuple):
+    """A format of nets; its module is loaded when a file of it is read or written.
+
+    Args:
+        read: Reads a file; ``None`` where nets are only written so.
+        write: The text or bytes of a net; ``None`` where nets are only read so.
+        priorities: How priorities are written beyond the standard, if they are; whoever writes is warned.
+    """
+
+    read: Callable[[Path], PetriNet] | None
+    write: Callable[[PetriNet], str | bytes] | None
+    priorities: str = ""
+
+
+NET_FORMATS: Mapping[str, NetFormat] = {
+    ".pnml": NetFormat(
+        _pnml, _to_pnml, "standard PNML has no priorities; they are written as toolspecific of mcpn"
+    ),
+    ".net": NetFormat(_tina, _to_tina),
+    ".dot": NetFormat(None, _to_dot),
+    ".json": NetFormat(_json, _to_json),
+}
+"""The formats by the suffixes of their files."""
+READABLE = tuple(suffix for suffix, form in NET_FORMATS.items() if form.read)
+WRITABLE = tuple(suffix for suffix, form in NET_FORMATS.items() if form.write)
+
+FOREIGN = {
     ".ndr": "a drawing of TINA: its program ndrio writes it as .net (ndrio FILE.ndr FILE.net)",
     ".tpn": "a net with time of TINA or Romeo, which is not read",
     ".tapn": "a file of TAPAAL's editor: it exports nets without time as .pnml (File, Export)",
@@ -46,7 +114,7 @@ def refuse_foreign(path: Path) -> None:
     Raises:
         InputError: It is such a file; or PNML by a name that says something else.
     """
-    if known := _FOREIGN.get(path.suffix.lower()):
+    if known := FOREIGN.get(path.suffix.lower()):
         raise InputError.at(Source(str(path)), f"found {known}; expected {', '.join(READABLE)}")
     try:
         with path.open("rb") as file:
@@ -59,7 +127,7 @@ def refuse_foreign(path: Path) -> None:
 
 
 def read_net(path: Path | str) -> PetriNet:
-    """Reads a net from a ``.pnml``, ``.net`` or ``.json`` file.
+    """Reads a net from a file of one of the formats in :data:`READABLE`.
 
     Args:
         path: The file.
@@ -72,18 +140,8 @@ def read_net(path: Path | str) -> PetriNet:
     """
     path = Path(path)
     suffix = path.suffix.lower()
-    if suffix == ".pnml":
-        from mcpn.nets.formats.pnml import read_pnml
-
-        return read_pnml(path)
-    if suffix == ".net":
-        from mcpn.nets.formats.tina import read_tina
-
-        return read_tina(path, read_bounded(path))
-    if suffix == ".json":
-        from mcpn.nets.formats.json import read_json
-
-        return read_json(path, read_bounded(path))
+    if suffix in READABLE and (read := NET_FORMATS[suffix].read):
+        return read(path)
     refuse_foreign(path)
     known = ", ".join(READABLE)
     raise InputError.at(
@@ -92,7 +150,7 @@ def read_net(path: Path | str) -> PetriNet:
 
 
 def save_net(net: PetriNet, path: Path | str) -> str | None:
-    """Writes a net to a ``.pnml``, ``.net``, ``.dot`` or ``.json`` file, whole or not at all.
+    """Writes a net to a file of one of the formats in :data:`WRITABLE`, whole or not at all.
 
     Args:
         net: The net.
@@ -105,31 +163,15 @@ def save_net(net: PetriNet, path: Path | str) -> str | None:
         InputError: The file cannot be written, or its suffix is of no known format.
     """
     path = Path(path)
-    suffix = path.suffix.lower()
-    warning = None
-    if net.complements:
-        warning = f"{path}: inhibitor arcs are written as arcs of {len(net.complements)} complement places"
-    if suffix == ".pnml":
-        from mcpn.nets.formats.pnml_writer import write_pnml
-
-        write_atomically(path, write_pnml(net))
-        if net.priorities:
-            warning = f"{path}: standard PNML has no priorities; they are written as toolspecific of mcpn"
-    elif suffix == ".net":
-        from mcpn.nets.formats.tina import write_tina
-
-        write_atomically(path, write_tina(net))
-    elif suffix == ".dot":
-        from mcpn.nets.formats.dot import write_dot
-
-        write_atomically(path, write_dot(net))
-    elif suffix == ".json":
-        from mcpn.nets.formats.json import write_json
-
-        write_atomically(path, write_json(net))
-    else:
+    form = NET_FORMATS.get(path.suffix.lower())
+    if form is None or form.write is None:
         known = ", ".join(WRITABLE)
         raise InputError.at(
-            Source(str(path)), f"unknown kind of file {suffix or path.name!r}, expected {known}"
+            Source(str(path)), f"unknown kind of file {path.suffix.lower() or path.name!r}, expected {known}"
         )
-    return warning
+    write_atomically(path, form.write(net))
+    if net.priorities and form.priorities:
+        return f"{path}: {form.priorities}"
+    if net.complements:
+        return f"{path}: inhibitor arcs are written as arcs of {len(net.complements)} complement places"
+    return None

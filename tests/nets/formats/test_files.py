@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 import subprocess
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -14,9 +15,12 @@ from hypothesis import strategies as st
 
 from mcpn.errors import InputError
 from mcpn.files import read_bounded, write_atomically
-from mcpn.nets.formats import read_net, save_net
+from mcpn.nets.formats import FOREIGN, NET_FORMATS, READABLE, WRITABLE, read_net, save_net
 from mcpn.nets.formats.dot import write_dot
 from mcpn.nets.petri import NetBuilder, PetriNet
+from mcpn.nets.structure import needs
+from mcpn.testing.nets import philosophers
+from tests.commands import mcpn
 from tests.draws import fewer
 from tests.nets.nets import odd_nets, pt_nets
 
@@ -29,16 +33,69 @@ def test_suffixes_in_capitals_are_known(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["n.xml", "n", "n.dot", ".net"])
 def test_reading_tells_the_formats_that_it_knows(name: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"expected \.pnml, \.net, \.json"):
+    with pytest.raises(InputError, match=re.escape(f"expected {', '.join(READABLE)}")):
         read_net(tmp_path / name)
 
 
 def test_only_pnml_with_priorities_warns(tmp_path: Path) -> None:
     for priorities in (False, True):
-        for suffix in (".pnml", ".net", ".dot", ".json"):
+        for suffix in WRITABLE:
             warning = save_net(PetriNet("n", (), (), priorities), tmp_path / f"n{suffix}")
             assert (warning is not None) == (priorities and suffix == ".pnml")
             assert warning is None or "standard PNML has no priorities" in warning
+
+
+BOTH_WAYS = [suffix for suffix in READABLE if suffix in WRITABLE]
+
+
+def effects(net: PetriNet) -> dict[str, tuple[dict[str, int], dict[str, int]]]:
+    """By transition what it needs, and what its firing changes, by places' names; 0 is left out."""
+    found = {}
+    for number, t in enumerate(net.transitions):
+        change = Counter[int]()
+        change.update(dict(t.produce))
+        change.subtract(dict(t.consume))
+        sides = (needs(net, number), change)
+        named = [{net.places[p].name: n for p, n in side.items() if n} for side in sides]
+        found[t.name] = (named[0], named[1])
+    return found
+
+
+@pytest.mark.parametrize("suffix", BOTH_WAYS)
+def test_each_format_takes_a_plain_net(suffix: str, tmp_path: Path) -> None:
+    net = philosophers(3)
+    save_net(net, tmp_path / f"n{suffix}")
+    back = read_net(tmp_path / f"n{suffix}")
+    assert (effects(back), back.initial) == (effects(net), net.initial)
+
+
+@given(net=pt_nets())
+def test_each_format_keeps_what_a_net_does_or_refuses_it(
+    net: PetriNet, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    folder = tmp_path_factory.mktemp("n")
+    for suffix in BOTH_WAYS:
+        file = folder / f"n{suffix}"
+        try:
+            save_net(net, file)
+        except InputError:
+            continue
+        back, written = read_net(file), file.read_bytes()
+        assert effects(back) == effects(net)
+        assert {p.name: p.initial for p in back.places} == {p.name: p.initial for p in net.places}
+        save_net(back, file)
+        assert file.read_bytes() == written
+
+
+def test_no_format_that_is_known_is_refused_as_foreign() -> None:
+    assert FOREIGN.keys() & NET_FORMATS.keys() == set()
+
+
+def test_the_command_names_each_format() -> None:
+    told = " ".join(mcpn("convert", "--help").stdout.split())
+    read, written = re.findall(r"\(([^()]*)\)", told)[:2]
+    assert {*re.findall(r"\.\w+", read)} == {".xml", *READABLE}
+    assert {*WRITABLE} <= {*re.findall(r"\.\w+", written)}
 
 
 @given(net=pt_nets())
