@@ -42,7 +42,18 @@ class Hurried(DiagramMarkings):
     steps_of_layers = 1
 
     def continuing(self, states: Zdd, transitions: Collection[int] | None = None) -> Zdd:
-        self.steps += 1  # even where the kernel counts none
+        self.steps += 1  # even where the kernel remembers them all
+        return super().continuing(states, transitions)
+
+
+class Layered(DiagramMarkings):
+    """Counts layers, of which each takes a turn."""
+
+    steps_of_layers = 1
+    layers = 0
+
+    def continuing(self, states: Zdd, transitions: Collection[int] | None = None) -> Zdd:
+        self.layers += 1
         return super().continuing(states, transitions)
 
 
@@ -70,3 +81,18 @@ def test_what_runs_come_to_says_what_stays(asking: bool, net: PetriNet, data: st
         else:
             assert bool(found & asked) == (wanted in exact)
     event(f"something stays: {bool(exact)}")
+
+
+def test_layers_leave_turns() -> None:
+    """Layers count their steps: where each is of many, what runs come to decides before all are dropped."""
+    builder = NetBuilder("fuses")
+    for i in range(60):
+        builder.place(f"fuse{i}", initial=1)
+        builder.place(f"blown{i}")
+        before = [f"blown{i - 1}"] if i else []
+        builder.transition(f"blow{i}", consume=[f"fuse{i}", *before], produce=[f"blown{i}", *before])
+    space, along = Layered(reach(builder.build())), [59]
+    running = space.everything - space.marked([space.net.place_index[f"blown{p}"] for p in along])
+    assert not space.staying(running, None)
+    assert space.steps > 0
+    assert space.layers < 60

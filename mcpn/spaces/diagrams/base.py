@@ -29,7 +29,7 @@ class Diagrams(BySteps[Zdd]):
 
     first_steps = 20_000
     """Budget of a closure's first turn."""
-    steps_of_layers = 300_000
+    steps_of_layers = 3_000
     """Budget of the layers of :meth:`staying` before anything else is tried."""
 
     def __init__(self, space: SymbolicSpace, states: Zdd, initial: Zdd) -> None:

@@ -129,8 +129,10 @@ class DiagramMarkings(Diagrams):
         sources = self.nothing
         for group, where in self.groups:
             if asked := self.of(self.encoding.undoing, group, transitions):
-                sources |= states.images(asked, within=states if where is self.everything else states & where)
-                self.steps += self.encoding.store.steps
+                within = states if where is self.everything else states & where
+                leading = states.images(asked, within=within)
+                self.steps += self.encoding.store.steps  # of the last operation
+                sources |= leading
         return sources
 
     def edges(self, state: Sequence[int]) -> Iterator[Edge]:
