@@ -99,6 +99,16 @@ def of(*blocks: Block, hardware: tuple[Hardware, ...] = (Hardware(name="h"),), *
     return mission(own, *blocks, **others)
 
 
+def twice(*handlers: Handler) -> Mission:
+    """Two tries of a block in which every end leads to its success."""
+    calm = Recursive(name="calm", blocks=(one("a", failure="succeed"),), handlers=handlers)
+    return of(Recursive(name="rows", retries=1, blocks=(calm,)), facts=True)
+
+
+def ended_by_fact(goto: str) -> Handler:
+    return Handler(when=("dry",), goto=goto)
+
+
 MEANT: dict[str, tuple[Mission, str]] = {
     "a helper behind the last block": (of(one("dig", failure="move"), one("move", success="dig")), "goes on"),
     "its success ends all": (
@@ -118,6 +128,9 @@ MEANT: dict[str, tuple[Mission, str]] = {
         ),
         "left out",
     ),
+    "a try of what cannot fail": (twice(), "left out"),
+    "a try of what cannot fail, and which a fact may end": (twice(ended_by_fact("succeed")), "left out"),
+    "a try of what a fact may let fail": (twice(ended_by_fact("fail")), "succeeds"),
     "left out on purpose": (of(one("a", success="succeed"), one("b", nominal="optional")), "succeeds"),
     "a block with a time, which is left by a failure that is meant": (
         of(

@@ -350,13 +350,39 @@ def _unled(graph: ObjectivesGraph, *, led: bool = True) -> Iterator[Section]:
         graph: The level.
         led: Whether some route leads to its first one.
     """
-    reached = [(section, led) for section in graph.sections]
-    for section, led_to in (*reached, *((section, False) for section in graph.unreached)):
-        series = _series(section)
+    reached = _led_to(graph) if led else ()
+    for section in (*graph.sections, *graph.unreached):
+        led_to, series = section.name in reached, _series(section)
         if series is not None:
             yield from _unled(series, led=led_to)
         elif not led_to:
             yield section
+
+
+def _led_to(graph: ObjectivesGraph) -> set[str]:
+    """The sections that routes lead to from the first one, and the exits, as they are written.
+
+    A series fails, say, only where a route in it leads to its failure.
+    """
+    sections = {section.name: section for section in graph.sections}
+    reached, stack = set[str](), [graph.entry]
+    while stack:
+        name = stack.pop()
+        if name not in reached:
+            reached.add(name)
+            stack += _leads_to(sections[name]) if name in sections else ()
+    return reached
+
+
+def _leads_to(section: Section) -> Iterator[str]:
+    """Where a section may lead: by its ends, and on events."""
+    series, ways = _series(section), {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
+    exits = {*ways.values()} if series is None else _led_to(series)
+    for end, _ in section.outcomes:
+        if end not in ways or ways[end] in exits:
+            yield from section.led(end)
+    for interruption in section.interruptions:
+        yield from interruption.routes
 
 
 def _way_of_successes(graph: ObjectivesGraph, failing: Set[str]) -> set[str]:
