@@ -15,7 +15,7 @@ Source: the paper, section 4 (objective, parallel block, activity, alternative, 
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Annotated, TypeAlias
 
 from mcpn.mission.language.datatypes import (
@@ -64,6 +64,7 @@ from mcpn.mission.robot import (
     Software,
 )
 from mcpn.notebook import Drawn
+from mcpn.records import record
 
 SUCCEED = "succeed"
 """The route to the success exit of the enclosing block."""
@@ -84,7 +85,7 @@ def failing_for(reason: str) -> str:
     return f"{FAIL} {reason}"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class FactRoute(Described):
     """Where the block around it leads when facts are so as it ends, or as it fails for a reason.
 
@@ -102,7 +103,7 @@ class FactRoute(Described):
     ] = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Handler(Described):
     """What the block around it does when an event happens, or facts become so, while it runs.
 
@@ -139,7 +140,7 @@ class Handler(Described):
         return () if self.goto is None else (self.goto, *(route.goto for route in self.routes))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class EntryGuard(Described):
     """A guard: facts that must hold for the block around it to be entered, and what is entered in its place.
 
@@ -158,7 +159,7 @@ class EntryGuard(Described):
     ]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class BlockElement(Element):
     """What every block carries, whatever its kind."""
 
@@ -248,7 +249,7 @@ class BlockElement(Element):
         return self.stem.removesuffix(self.written)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Objective(BlockElement):
     """With activities it is elementary: the activities run together until it succeeds or fails."""  # 4.1
 
@@ -267,7 +268,7 @@ class Objective(BlockElement):
     parameters: tuple[Parameter, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Recursive(BlockElement):
     """With blocks it is recursive: the blocks run one after the other."""  # paper, 4.1
 
@@ -279,7 +280,7 @@ class Recursive(BlockElement):
     blocks: "tuple[Block, ...]"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Parallel(BlockElement):
     """Blocks that run at the same time. When all have ended it succeeds if every mandatory one did."""  # 4.2
 
@@ -307,7 +308,7 @@ class Parallel(BlockElement):
     blocks: 'Annotated[tuple[Block, ...], Children(without=("parallel",))]'
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Use(BlockElement):
     """A protocol in this place.
 
@@ -319,7 +320,7 @@ class Use(BlockElement):
     parameters: tuple[Parameter, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Each(BlockElement):
     """Blocks run once for each value, one round after the other, up to the first that fails.
 
@@ -350,7 +351,7 @@ ROUND = "round"
 """The parameter that has the number of the round, from 1, in a block that is repeated."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Protocol(Element):
     """A reusable series of blocks, entered at the first."""
 
@@ -361,7 +362,7 @@ class Protocol(Element):
     blocks: "tuple[Block, ...]"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Import(Described):
     """Another file, a robot or protocols. It is read once, wherever it is imported."""
 
@@ -369,7 +370,7 @@ class Import(Described):
     href: Annotated[str, "The file, relative to this one and inside the directory of the mission."]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Protocols(Described):
     """What the protocols' author writes: reusable series of blocks."""
 
@@ -378,7 +379,7 @@ class Protocols(Described):
     protocols: tuple[Protocol, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Approximation(Described):
     """A node of a behaviour tree that the mission does not say exactly; its description says what differs."""
 
@@ -393,7 +394,7 @@ class Approximation(Described):
     line: Annotated[int | None, COUNT, "Its line in the file of the tree."] = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Translated(Described):
     """That the mission was made of a behaviour tree: how much of it is exact, and what is not.
 
@@ -409,7 +410,7 @@ class Translated(Described):
     approximations: tuple[Approximation, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Mission(Drawn, Element):
     """The mission itself, which the operator assembles.
 

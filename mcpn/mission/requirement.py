@@ -6,7 +6,6 @@ robotic missions*, IEEE TSE 2019). What each means is said in :mod:`mcpn.answers
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Annotated, TypeAlias, get_args, get_type_hints
 
 from mcpn.mission.language.datatypes import (
@@ -20,12 +19,13 @@ from mcpn.mission.language.datatypes import (
     Called,
 )
 from mcpn.mission.robot import Described, Element
+from mcpn.records import record
 
 Avoided = Annotated[tuple[str, ...], Called("of"), LOCATIONS, "Objectives, each of them."]
 Locations = Annotated[tuple[str, ...], Called("in"), LOCATIONS, "Objectives, in this order where it counts."]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class _Pattern(Described):
     """What a requirement says."""
 
@@ -35,7 +35,7 @@ class _Pattern(Described):
         return ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class _Scoped(_Pattern):
     """A pattern of Dwyer, Avrunin and Corbett, in one of their five scopes."""
 
@@ -58,7 +58,7 @@ class _Scoped(_Pattern):
         return _wrong_scope(self)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Absence(_Scoped):
     """It never holds."""
 
@@ -66,7 +66,7 @@ class Absence(_Scoped):
     of: Annotated[str, FORMULA, "The formula that never holds."]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Universality(_Scoped):
     """It always holds."""
 
@@ -74,7 +74,7 @@ class Universality(_Scoped):
     of: Annotated[str, FORMULA, "The formula that always holds."]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Existence(_Scoped):
     """It holds at some moment."""
 
@@ -82,7 +82,7 @@ class Existence(_Scoped):
     of: Annotated[str, FORMULA, "The formula that holds at some moment."]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class BoundedExistence(_Scoped):
     """It becomes true at most so many times."""
 
@@ -91,7 +91,7 @@ class BoundedExistence(_Scoped):
     most: Annotated[int, ENTRIES, "How many times at most it becomes true."] = 2
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Precedence(_Scoped):
     """It holds only after something else has held, or together with it."""
 
@@ -111,7 +111,7 @@ class Precedence(_Scoped):
         return _wrong_scope(self)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Response(_Scoped):
     """Whenever one thing holds, another holds then or later."""
 
@@ -136,7 +136,7 @@ class Response(_Scoped):
         return _wrong_scope(self)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Visit(_Pattern):
     """The robot visits some objectives."""
 
@@ -156,7 +156,7 @@ class Visit(_Pattern):
         return _too_few(self.objectives, self.order)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Patrolling(_Pattern):
     """The robot visits some objectives again and again."""
 
@@ -170,7 +170,7 @@ class Patrolling(_Pattern):
         return _too_few(self.objectives, self.order)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Avoidance(_Pattern):
     """The robot keeps away from some objectives."""
 
@@ -186,7 +186,7 @@ class Avoidance(_Pattern):
         return "both until and after, expected one of them" if both else _too_few(self.objectives)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class RestrictedAvoidance(_Pattern):
     """The robot enters each of some objectives so many times."""
 
@@ -205,7 +205,7 @@ class RestrictedAvoidance(_Pattern):
         return _too_few(self.objectives)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Reaction(_Pattern):
     """Whenever one thing holds, the robot reacts."""
 
@@ -220,7 +220,7 @@ class Reaction(_Pattern):
     ]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Wait(_Pattern):
     """The robot stays in some objectives up to the moment at which something becomes true."""
 
@@ -263,7 +263,7 @@ def formulas_of(pattern: Pattern) -> Iterator[tuple[str, str]]:
             yield attribute, text
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Requirement(Element):
     """What a mission must satisfy, as a formula or as one pattern inside; ``check`` answers it.
 

@@ -8,7 +8,7 @@ every element carries is declared here, because model imports this module and no
 Source: the paper, section 4.3.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Annotated
 
 from mcpn.errors import Source
@@ -29,11 +29,11 @@ from mcpn.mission.language.datatypes import (
     Values,
     When,
 )
-from mcpn.records import ValueRecord
+from mcpn.records import record
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Described(ValueRecord):
+@record(frozen=True, slots=True, kw_only=True)
+class Described:
     """What every element of a mission file carries.
 
     Args:
@@ -45,7 +45,7 @@ class Described(ValueRecord):
     source: Source | None = field(default=None, compare=False)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Element(Described):
     """What has a name."""
 
@@ -55,7 +55,7 @@ class Element(Described):
     name: Annotated[Name, "Letters, digits and _, no digit first; unique in its kind."]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Parameter(Element):
     """A value for the control laws.
 
@@ -67,7 +67,7 @@ class Parameter(Element):
     unit: Annotated[str | None, "The unit, as text."] = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Hardware(Element):
     """A sensor or an actuator. It may go out of service and come back at any moment."""  # paper, 4.3
 
@@ -93,7 +93,7 @@ class Hardware(Element):
     ] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Crash(Hardware):
     """What an activity that may crash consumes; it goes out of service only while the activity runs.
 
@@ -110,7 +110,7 @@ class Crash(Hardware):
     activity: Annotated[str, NAME.to("activity"), "The activity."]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Fault(Element):
     """A common cause: one event takes all hardware that it affects out of service, its repair brings it back.
 
@@ -125,7 +125,7 @@ class Fault(Element):
     repair_rate: Annotated[Rate, "Risk: repairs per hour; without it, none."] = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Software(Element):
     """Data that one activity produces and others consume, any number at a time unless it is exclusive."""
 
@@ -138,7 +138,7 @@ BOOLEAN_VALUES = ("false", "true")
 """The values of a fact that is false or true."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Fact(Element):
     """Something about the world that has one of a few values: a door is open or closed."""
 
@@ -153,7 +153,7 @@ class Fact(Element):
         return self.values[0] if self.initial is None else self.initial
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class FactChange(Described):
     """A fact is given a value."""
 
@@ -173,7 +173,7 @@ class FactChange(Described):
         return "success" if self.on is None else self.on
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class DeclaredEvent(Element):
     """Something that may happen at any moment and that blocks may handle: a leak, a call back."""
 
@@ -194,7 +194,7 @@ class DeclaredEvent(Element):
         return bool(self.changed_facts)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Alternative(Element):
     """One way to perform the activity; the first in the document that is possible runs."""  # paper, 4.3
 
@@ -211,7 +211,7 @@ class Alternative(Element):
     parameters: tuple[Parameter, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Activity(Element):
     """A basic task of the robot.
 
@@ -246,7 +246,7 @@ class Activity(Element):
     ]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@record(frozen=True, slots=True, kw_only=True)
 class Robot(Element):
     """What the robot's engineer declares: resources, facts, activities and events."""
 
