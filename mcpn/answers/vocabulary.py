@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from mcpn.answers.mission_names import MissionNames
 from mcpn.drawing.compose import MissionNet
 from mcpn.events import What
-from mcpn.records import ValueRecord
+from mcpn.records import record
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class NamedWord(ValueRecord):
+@record(frozen=True)
+class NamedWord:
     """A name that formulas may say.
 
     Args:
@@ -26,22 +25,22 @@ class NamedWord(ValueRecord):
     description: str | None = None
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(frozen=True)
 class NamedActivity(NamedWord):
     """An activity, and what alternatives it has."""
 
     alternatives: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(frozen=True)
 class NamedFact(NamedWord):
     """A fact, and what values it has."""
 
     values: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Vocabulary(ValueRecord):
+@record(frozen=True)
+class Vocabulary:
     """What formulas about a mission may name, by kind, in the order of the mission.
 
     Args:

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from itertools import chain
 from typing import NamedTuple, TypeAlias
@@ -29,7 +29,7 @@ from mcpn.events import Event
 from mcpn.nets.event_index import EventIndex
 from mcpn.nets.provenance import COMPLEMENT, Provenance
 from mcpn.notebook import Drawn
-from mcpn.records import ValueRecord
+from mcpn.records import record
 
 Marking: TypeAlias = tuple[int, ...]
 """Tokens of each place, in the order of the net's places."""
@@ -41,8 +41,8 @@ Arcs: TypeAlias = tuple[tuple[int, int], ...]
 """Pairs (index of a place, weight of at least 1), in the order of the places, each place once."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Place(ValueRecord):
+@record(frozen=True, slots=True)
+class Place:
     """A place.
 
     Args:
@@ -58,8 +58,8 @@ class Place(ValueRecord):
     label: str | None = field(default=None, compare=False)
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Transition(ValueRecord):
+@record(frozen=True, slots=True)
+class Transition:
     """A transition: enabled where each place holds as many tokens as it consumes and as it reads.
 
     Args:
@@ -109,8 +109,8 @@ class SafeTransition(NamedTuple):
     blocked: bool
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class PetriNet(Drawn, ValueRecord):
+@record(frozen=True)
+class PetriNet(Drawn):
     """A place/transition net.
 
     Args:

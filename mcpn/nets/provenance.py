@@ -5,11 +5,11 @@ What knows nets alone asks for the part: the kinds of elements are said here and
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal, TypeAlias
 
 from mcpn.errors import Source
-from mcpn.records import ValueRecord
+from mcpn.records import record
 
 COMPLEMENT = "complement"
 """The kind of element that makes the complement of a place."""
@@ -28,8 +28,8 @@ CONTROL: frozenset[Part | None] = frozenset({"whole", "block", "step"})
 """Parts that say what runs next."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Provenance(ValueRecord):
+@record(frozen=True, slots=True)
+class Provenance:
     """The element that made a place or a transition.
 
     Args:

@@ -9,11 +9,11 @@ them a name means, and by which name all copies of one are named together.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
 from typing import TypeAlias, TypeVar
 
+from mcpn.records import record
 from mcpn.sentences import shortened
 
 Written: TypeAlias = tuple[str, str]
@@ -28,7 +28,7 @@ T = TypeVar("T")
 K = TypeVar("K")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@record(frozen=True, slots=True, eq=False)
 class BlockPosition:
     """A block in its place, or one copy of it.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from itertools import chain
 from typing import TYPE_CHECKING, TypeAlias
@@ -16,7 +16,7 @@ from mcpn.mission.model import ABORT, FAIL, SUCCEED, TIMED_OUT, Mission
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import Parameter
 from mcpn.notebook import Drawn
-from mcpn.records import ValueRecord
+from mcpn.records import record
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -33,7 +33,7 @@ def failed_for(reason: str) -> str:
     return f"failure {reason}"
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
+@record(frozen=True, slots=True)
 class ElementarySection(Routes):
     """An elementary objective with its place in the graph.
 
@@ -103,8 +103,8 @@ class ElementarySection(Routes):
         yield self
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Branch(ValueRecord):
+@record(frozen=True, slots=True)
+class Branch:
     """A child of a parallel block.
 
     Args:
@@ -120,7 +120,7 @@ class Branch(ValueRecord):
     source: Source | None = field(default=None, compare=False)
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
+@record(frozen=True, slots=True)
 class PauseGraph(Interrupted):
     """What runs while a parallel block pauses: a copy of a sibling of a block that the block is or stands in.
 
@@ -134,7 +134,7 @@ class PauseGraph(Interrupted):
     interruptions: tuple[Interruption, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
+@record(frozen=True, slots=True)
 class ParallelSection(Routes):
     """A parallel block with its place in the graph.
 
@@ -278,8 +278,8 @@ def names_in(section: Section) -> Iterator[str]:
                 yield from names_in(inner)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class ObjectivesGraph(Drawn, ValueRecord):
+@record(frozen=True)
+class ObjectivesGraph(Drawn):
     """The objectives graph of a mission, or of a branch of a parallel block.
 
     Args:

@@ -7,13 +7,13 @@ Which routes facts choose is in :mod:`mcpn.mission.core.destinations`; facts and
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import NamedTuple
 
 from mcpn.errors import Source
 from mcpn.mission.fact_cases import FactCase
 from mcpn.mission.fact_conditions import Condition
-from mcpn.records import ValueRecord
+from mcpn.records import record
 
 GO_ON = "go on"
 """The exit of what runs while a parallel block pauses, after which it goes on: no block is called so."""
@@ -33,8 +33,8 @@ class Setting(NamedTuple):
     on: str
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Interruption(ValueRecord):
+@record(frozen=True, slots=True)
+class Interruption:
     """A handler as a section has it: when the declared event happens, the section is stopped and left.
 
     Args:
@@ -66,8 +66,8 @@ class Interruption(ValueRecord):
         return replace(self, target=to(self.target), cases=cases)
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Becoming(ValueRecord):
+@record(frozen=True, slots=True)
+class Becoming:
     """That a section is stopped and left when, while it runs, facts become so.
 
     Args:
@@ -91,7 +91,7 @@ def left_by(number: int) -> str:
     return f"when {number}"
 
 
-class Interrupted(ValueRecord):
+class Interrupted:
     """What events interrupt."""
 
     __slots__ = ()

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from mcpn.mission.core.copies import BlockPosition
 from mcpn.mission.core.routes import Interruption
 from mcpn.mission.model import Block, Recursive
 from mcpn.mission.rewriting.handlers_in_effect import in_effect
+from mcpn.records import record
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Scope:
     """What blocks inherit from the blocks that enclose them.
 
