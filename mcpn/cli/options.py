@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import wraps
 from math import isfinite
 from pathlib import Path
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mcpn.errors import InputError, Source
+from mcpn.records import record
 from mcpn.spaces.engine_names import EXPLICIT, LOCAL, SYMBOLIC
 
 if TYPE_CHECKING:
@@ -167,7 +168,7 @@ def _refuse_tree(file: Path) -> None:
         ) from None
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Question:
     """What the options say that commands which ask a question share.
 

@@ -6,7 +6,7 @@ Source: the paper, sections 6 and 7.1 (models "integrated and linked together").
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 from mcpn.drawing.sections import Parts, SectionParts
@@ -24,9 +24,10 @@ from mcpn.mission.static.resource_use import Usage
 from mcpn.mission.static.warnings import static_warnings
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.notebook import Drawn
+from mcpn.records import record
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class MissionNet(Drawn):
     """The net of a mission, with what its places mean.
 

@@ -9,7 +9,7 @@ nets then differ in names only, place by place and transition by transition.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from operator import itemgetter
 from typing import Any, NamedTuple
@@ -29,6 +29,7 @@ from mcpn.mission.fact_usage import touched_by
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, TIMED_OUT
 from mcpn.mission.robot import Activity, Crash, Fact, Hardware, Software
 from mcpn.mission.static.resource_use import Usage
+from mcpn.records import record
 
 MOST_BRANCHES = 30
 """Branches that may run at the same time in one section whose states are to be put on a diagram."""
@@ -177,7 +178,7 @@ class Used:
         )
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class LocalPart:
     """Some sections of a mission, glued by routes of their own, with all that they use.
 

@@ -13,7 +13,7 @@ A status is declared here, and the rest follows in loops over its flags: the slo
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import NamedTuple, TypeAlias
 
 from mcpn.drawing.templates.canvas import Role
@@ -21,6 +21,7 @@ from mcpn.events import Event, What
 from mcpn.mission.fact_conditions import all_flags, noticed
 from mcpn.mission.fact_conditions import flags as flags_by_value
 from mcpn.mission.robot import Crash, Fact, Hardware
+from mcpn.records import record
 
 Element: TypeAlias = tuple[str, str]
 """The kind and the name of an element, as provenances of places have them, or of a flag."""
@@ -91,7 +92,7 @@ class Before(NamedTuple):
     asked: tuple[Role, ...] = ()
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Status:
     """The status of one element.
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Set
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property, reduce
 from itertools import chain, product
 from operator import or_
@@ -28,6 +28,7 @@ from mcpn.events import ENDING, HELPING, Event, What
 from mcpn.mission.core.objectives_graph import ElementarySection, ObjectivesGraph, Section
 from mcpn.mission.static.handover import entries
 from mcpn.nets.petri import Marking
+from mcpn.records import record
 from mcpn.spaces.algebra import Alike, Edge, Piece, S, Space, Without, partition
 from mcpn.spaces.memoized import memoized
 from mcpn.spaces.projections import ImageStore
@@ -133,7 +134,7 @@ class Striking:
 Kind: TypeAlias = Literal["objective", "pending", "done", "oos", "alive", "dead"]
 
 
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class Goal(Generic[S]):
     """Something that a mission may still reach.
 
@@ -154,7 +155,7 @@ class Goal(Generic[S]):
     lost_by: Mapping[int, S] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class CriticalEvent:
     """How many edges of one event lead into a losing region from one functioning mode.
 

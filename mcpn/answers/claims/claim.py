@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 from mcpn.answers.kinds.by_name import KINDS
 from mcpn.answers.kinds.kind import ClaimKind
+from mcpn.records import record
 from mcpn.sentences import enumeration, shortened
 from mcpn.spaces.run import Run
 
@@ -36,7 +37,7 @@ MOST_NAMED = 12
 """Names of one sentence."""
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Claim:
     """What is said of one mission.
 

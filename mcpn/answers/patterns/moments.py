@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TypeAlias
+
+from mcpn.records import record
 
 At: TypeAlias = tuple[bool | None, bool | None]
 """What a letter is at states, and at events: true, false, or what is written for it (``None``)."""
@@ -24,7 +25,7 @@ EVERY_EVENT: At = (True, None)
 """A formula on events that must be true of each of them."""
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class _OfMoments:
     """A formula: a letter, ``true``, ``false``, or an operator with its operands."""
 

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Hashable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from itertools import compress
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mcpn._kernel import Zdd
+from mcpn.records import record
 from mcpn.spaces.projections import ImageStore
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ Mode: TypeAlias = dict[str, str]
 """The selected alternative of each running activity, by the activity's name."""
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Situation:
     """A stable marking in mission words; every list is in the mission's order.
 

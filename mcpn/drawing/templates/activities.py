@@ -8,13 +8,14 @@ what starts, stops and refuses them, and are drawn by the same code (:class:`_Li
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import combinations, product
 from typing import NamedTuple
 
 from mcpn.drawing.templates.canvas import Canvas, Pen
 from mcpn.errors import LimitError
 from mcpn.mission.robot import Activity, Alternative
+from mcpn.records import record
 
 MAX_TOGETHER = 12
 """Resources of one alternative that may wait for answers: each way in which they may answer is drawn."""
@@ -23,7 +24,7 @@ MOST_AT_ONCE = 3
 """Errors that one transition takes at a time, one for each set of them, where no more can come together."""
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class _Ending:
     """A way in which an activity is stopped.
 

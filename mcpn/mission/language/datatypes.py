@@ -5,14 +5,16 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Annotated, Any, NamedTuple
+
+from mcpn.records import record
 
 MAX_ROUNDS = 100_000
 """The largest number of rounds or tries that a block may ask for."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Datatype:
     """The datatype of an attribute.
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Container, Iterator
-from dataclasses import MISSING, dataclass, field
+from dataclasses import MISSING, field
 from functools import cache
 from inspect import get_annotations
 from types import UnionType
@@ -25,6 +25,7 @@ from mcpn.mission.language.datatypes import (
 )
 from mcpn.mission.model import BlockElement, Import, Mission, Protocols
 from mcpn.mission.robot import Described, Element, Robot
+from mcpn.records import record
 
 NAMESPACE = "urn:mcpn:mission:1"
 ROOTS: tuple[_Element, ...] = (Mission, Robot, Protocols)
@@ -184,7 +185,7 @@ def _field(owner: type, name: str, default: Any, hint: Any) -> Field:
     )
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Tag:
     """What files may say in elements of one name.
 
