@@ -11,13 +11,13 @@ Reference: T. Murata, Petri nets: properties, analysis and applications, Proc. I
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Generic
 
 from mcpn.errors import UnboundedError, UnsafeError
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.structure import incidence
+from mcpn.records import record
 from mcpn.spaces.algebra import S, Space
 from mcpn.spaces.markings.boundedness import REPEATED, Boundedness, boundedness
 from mcpn.spaces.registry import Spaces, spaces_of
@@ -130,7 +130,7 @@ EXAMINATIONS: Mapping[str, Callable[[Behaviour[Any]], bool]] = {
 """By names of the Model Checking Contest, the properties that need no formula, but for ``OneSafe``."""
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class NetCheck:
     """The behaviour of a net, by names; ``None`` where it is not known.
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 from lxml import etree
@@ -21,6 +20,7 @@ from mcpn.errors import InputError, Problem, Source
 from mcpn.logic.formulas import OPERATORS, every_path, some_path, within_limit
 from mcpn.logic.ltl.formulas import Next, Until, always, eventually, is_of_paths
 from mcpn.logic.polynomials import Polynomial, added, multiplied, related
+from mcpn.records import record
 from mcpn.spaces.formula_names import Names
 from mcpn.spaces.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Fires, Formula
 from mcpn.xmlio import parse_xml
@@ -29,7 +29,7 @@ MAX_BYTES = 100_000_000
 NAMESPACES = ("http://mcc.lip6.fr/", "http://tapaal.net/")
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Property:
     """One property of a file.
 

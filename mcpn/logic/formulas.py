@@ -15,13 +15,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias
 
 from mcpn.errors import LimitError
 from mcpn.logic.ltl.formulas import Next, Release, SomePath, Until, always, is_of_paths, normal
 from mcpn.nets.petri import PetriNet
+from mcpn.records import record
 from mcpn.spaces.search.goal import (
     DEADLOCK,
     FALSE,
@@ -53,7 +53,7 @@ class EU(Operator):
     """Some path satisfies the left operand until it reaches the right one."""
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Justice:
     """A constraint on infinite paths: they meet it again and again, or do not count.
 

@@ -7,13 +7,13 @@ answers that follow.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import chain
 
 from mcpn.logic.implications import Meaning, implied
 from mcpn.logic.initial_state import at_first, parts_at_first
 from mcpn.logic.without_space import Known
 from mcpn.nets.petri import PetriNet
+from mcpn.records import record
 from mcpn.spaces.search import HOME, INITIAL_STATE
 from mcpn.spaces.search.goal import FALSE, TRUE, Formula
 from mcpn.steps import Doing, step
@@ -23,7 +23,7 @@ EFFORT_OF_LIVENESS = 30
 """The number of operators of a formula that takes about as long: closures forward and backward."""
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class ContestAnswer:
     """An answer to a question of the contest.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from math import inf
 from typing import TYPE_CHECKING
@@ -14,6 +13,7 @@ from mcpn.logic.ltl.formulas import Release, SomePath, Until
 from mcpn.logic.simplify import simplified
 from mcpn.logic.witness import Explanation, NoRun, Witness
 from mcpn.nets.petri import EVENTS, Marking, PetriNet
+from mcpn.records import record
 from mcpn.spaces.algebra import Edge
 from mcpn.spaces.formula_names import Names
 from mcpn.spaces.run import Completion
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 SOME_DEADLOCK = EU(TRUE, DEADLOCK)
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Fired:
     """A net whose states are its markings, fired one after the other.
 

@@ -11,13 +11,13 @@ whole net, by index, so that a question is the same for every space.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
 from functools import reduce
 from operator import or_
 from typing import Any, Generic, NamedTuple, Protocol, Self, TypeAlias, TypeVar
 
 from mcpn._kernel import Zdd
 from mcpn.nets.petri import Marking, PetriNet
+from mcpn.records import record
 from mcpn.spaces.projections import ImageStore
 
 
@@ -76,7 +76,7 @@ class Piece(NamedTuple, Generic[S]):
     names: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record(frozen=True, eq=False, slots=True)
 class Without(Set[int]):
     """All of some transitions but a few: many such collections share the large set.
 

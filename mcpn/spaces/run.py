@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import takewhile
 
 from mcpn.events import Event
 from mcpn.nets.petri import Arcs, Marking, PetriNet
+from mcpn.records import record
 from mcpn.spaces.algebra import Edge, S, Space
 from mcpn.spaces.memoized import ByKey
 
@@ -164,7 +165,7 @@ class Evolution:
         return self.completion.queued({*(t for _, t in few), *waiting})
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Run:
     """A run of a net from its initial marking.
 

@@ -7,9 +7,9 @@ state without successors repeats for ever, as in the Model Checking Contest, so 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 
+from mcpn.records import record
 from mcpn.spaces.search.goal import FALSE, TRUE, And, Formula, Not, Operator, Or, joined
 
 
@@ -29,7 +29,7 @@ class SomePath(Operator):
     """Some path that begins here satisfies the operand: a formula on states."""
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Happens(Formula):
     """The first step of the path is a firing of one of these transitions, by index."""
 

@@ -9,7 +9,6 @@ known to hold at some time on every path. For a stutter-insensitive formula the 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import chain
 
 from mcpn.errors import LimitError
@@ -19,6 +18,7 @@ from mcpn.logic.ltl.formulas import Release, Until, atom_of, is_of_paths, normal
 from mcpn.logic.ltl.path_search import FoundPath, PathSearch
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.reduce.reduction import Reduction, reduce_for_paths
+from mcpn.records import record
 from mcpn.spaces.search.goal import (
     FALSE,
     TRUE,
@@ -56,7 +56,7 @@ FEW_STEPS = 2_000
 """Limit on steps of the product in such a test."""
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class _Asked:
     """A search for a path of a net.
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError
 from mcpn.nets.formats.dot import dot_string
 from mcpn.nets.petri import PetriNet
+from mcpn.records import record
 from mcpn.spaces.diagrams.encoding import Levels
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ MAX_NODES = 5_000
 """Nodes of a diagram that is shown."""
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class DiagramNode:
     """A node of a zero-suppressed diagram.
 
@@ -37,7 +37,7 @@ class DiagramNode:
     high: int
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Diagram:
     """A zero-suppressed diagram: a level that a path skips is unmarked.
 

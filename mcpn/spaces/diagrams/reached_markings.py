@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from mcpn._kernel import MemoryLimit, Zdd
 from mcpn.errors import LimitError
 from mcpn.nets.petri import PetriNet
+from mcpn.records import record
 from mcpn.spaces.diagrams.encoding import Encoding
 from mcpn.spaces.diagrams.internal_evolution import leading, passing
 from mcpn.spaces.diagrams.order import Order
@@ -37,7 +37,7 @@ class ListedMarkings:
         return diagram
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class SymbolicSpace:
     """The reachable markings of a net.
 

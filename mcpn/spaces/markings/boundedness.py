@@ -19,6 +19,7 @@ from mcpn.errors import LimitError
 from mcpn.nets.petri import Arcs, PetriNet
 from mcpn.nets.programs import minimise
 from mcpn.nets.structure import changes, incidence, needs
+from mcpn.records import record
 
 OMEGA = -1
 """In the bounds of places and in markings of the coverability tree: any number of tokens."""
@@ -36,7 +37,7 @@ MOST_SHARES, LONGEST = 1_000, 10_000
 REPEATED = "this run can be repeated with more and more tokens"
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Boundedness:
     """Whether a net is bounded.
 

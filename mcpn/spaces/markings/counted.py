@@ -8,13 +8,13 @@ firing does not fit into a field, places are made wider and exploration begins a
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mcpn._kernel import CountedNet, Exploration, MemoryLimit, StateLimit
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.structure import changes, needs
+from mcpn.records import record
 from mcpn.spaces.markings.explicit import DEFAULT_MAX_MEMORY, MAX_MARKINGS, Counts, count, explore
 from mcpn.steps import telling
 
@@ -30,7 +30,7 @@ MOST_WEIGHT = 2**62
 WORD = 64
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class TokenCounts(Counts):
     """Sizes of a markings graph whose places hold several tokens.
 

@@ -7,7 +7,6 @@ that firing and a shortest run to it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING
 from mcpn._kernel import Exploration, MemoryLimit, SafeNet, StateLimit
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.nets.petri import PetriNet
+from mcpn.records import record
 from mcpn.steps import telling
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ class KernelNet:
         return StateGraph(self.net, exploration.take_markings(), offsets, exploration.take_targets(), labels)
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Counts:
     """Sizes of a markings graph.
 

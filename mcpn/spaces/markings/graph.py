@@ -7,7 +7,7 @@ rows (CSR), those of state ``s`` at ``offsets[s]:offsets[s + 1]``, in the order 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -28,6 +28,7 @@ from mcpn._kernel import (
 from mcpn.errors import LimitError
 from mcpn.nets.petri import PetriNet
 from mcpn.notebook import Drawn
+from mcpn.records import record
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -39,7 +40,7 @@ Mask = npt.NDArray[np.bool_]
 Field: TypeAlias = tuple[int, int, int]
 
 
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class StateGraph(Drawn):
     """Reachable markings and the firings between them; state 0 is the initial one.
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import chain
@@ -25,6 +25,7 @@ from typing import Literal, TypeAlias
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.programs import LinearProgram, Solved, ceiling, proposed
 from mcpn.nets.structure import incidence, place_bounds
+from mcpn.records import record
 from mcpn.spaces.search.goal import DEADLOCK, And, AtMost, Goal, Or, as_goal, fireable
 from mcpn.turns import Pausing, finished
 
@@ -45,7 +46,7 @@ Sums: TypeAlias = tuple[dict[int, int], float, float]
 """Weights by variable, and the least and the most that their sum may be."""
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Proof:
     """Multipliers that show that no values of the variables satisfy some rows, or bound a sum.
 
@@ -67,7 +68,7 @@ class Proof:
     common: int
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Solution:
     """What the state equation says of a goal.
 
@@ -87,7 +88,7 @@ class Solution:
     proofs: tuple[Proof, ...] = ()
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Ceiling:
     """The most that a sum of tokens may come to, by the state equation.
 

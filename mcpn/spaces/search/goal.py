@@ -15,7 +15,6 @@ AtMost(weights=((1, 1),), bound=0)
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias
 
@@ -23,6 +22,7 @@ from mcpn._kernel import Goals
 from mcpn.errors import LimitError
 from mcpn.nets.petri import EVENTS, PetriNet
 from mcpn.nets.structure import needs
+from mcpn.records import record
 
 FARTHEST = 2**62
 """Sums of tokens in searches are nearer than this bound."""
@@ -58,7 +58,7 @@ class Formula:
         return ~next(operands) if isinstance(self, Not) else type(self)(*operands) if self.operands else self
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class AtMost(Formula):
     """A weighted sum of tokens is at most a bound; places by index, each once."""
 
@@ -66,24 +66,24 @@ class AtMost(Formula):
     bound: int
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Fires(Formula):
     """Some of these transitions, by index, may fire now, priorities respected."""
 
     transitions: tuple[int, ...]
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Deadlock(Formula):
     """Nothing may fire."""
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Stable(Formula):
     """No internal transition may fire; true everywhere in nets without priorities."""
 
 
-@dataclass(frozen=True, init=False)
+@record(frozen=True)
 class Operator(Formula):
     """An operator and its operands; its hash is computed once, since formulas are keys again and again."""
 

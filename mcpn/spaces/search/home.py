@@ -20,7 +20,6 @@ True
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import chain
 from math import inf
 
@@ -28,6 +27,7 @@ from mcpn.nets.petri import Marking, PetriNet
 from mcpn.nets.programs import minimise
 from mcpn.nets.repeatable import SCALES
 from mcpn.nets.structure import Sparse, changes, needs
+from mcpn.records import record
 from mcpn.spaces.search.equation import Proof, StateEquation
 from mcpn.spaces.search.goal import And, AtMost, Goal, Or, marked
 from mcpn.spaces.search.searches import Searches
@@ -51,7 +51,7 @@ LIKED = 8.0
 """and one that is none though it is called as one that had to be."""
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Descent:
     """A run that lowers a weighted sum of tokens, and what it takes.
 
@@ -70,7 +70,7 @@ class Descent:
         return all(marking[place] >= tokens for place, tokens in self.needs.items())
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Home:
     """A home marking, with what proves it.
 

@@ -10,11 +10,11 @@ Budgets are counts of firings and markings, never seconds, so that the same ques
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.reduce.reduction import Reduction, reduce_for_deadlock, reduce_for_goal
+from mcpn.records import record
 from mcpn.spaces.search import (
     EXPLICIT,
     HEURISTIC,
@@ -33,7 +33,7 @@ MOST_LEFT = 100_000
 """Firings after a lifted run before its end must be dead."""
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class SearchResult:
     """Whether a goal is reachable, and how that was found.
 
@@ -48,7 +48,7 @@ class SearchResult:
     techniques: tuple[str, ...]
 
 
-@dataclass(frozen=True)
+@record(frozen=True)
 class Round:
     """Budgets of one round, for each goal.
 

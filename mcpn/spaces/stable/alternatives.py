@@ -10,7 +10,7 @@ kernel.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -19,6 +19,7 @@ from mcpn._kernel import Exploration, stable_ends
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.events import Event
 from mcpn.nets.petri import PetriNet
+from mcpn.records import record
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.markings.graph import Ints, Mask, StateGraph
 from mcpn.spaces.stable.nearest_nonconfluence import proved
@@ -35,7 +36,7 @@ from mcpn.steps import tell
 State = TypeVar("State", bound=Hashable)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record(frozen=True, eq=False, repr=False)
 class AlternativesGraph(StateGraph):
     """Stable markings and the event transitions between them, in breadth-first order.
 
