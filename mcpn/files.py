@@ -13,6 +13,9 @@ from mcpn.errors import InputError, Source
 
 MAX_FILE_BYTES = 256 << 20
 
+AT_A_TIME = 1 << 20
+"""Bytes or characters of a file that are written together."""
+
 MOST_OF_NAME = 200
 """Bytes of a name up to which the name beside it holds it whole."""
 
@@ -200,11 +203,10 @@ def write_atomically(path: Path, data: bytes | str, *, durable: bool = False) ->
     try:
         if found := no_regular_file(path):  # a device or a pipe would be replaced by a file
             raise InputError.at(Source(str(path)), f"cannot be written: it is {found}")
-        content = data.encode() if isinstance(data, str) else data
         beside = _beside(path)
         _sweep(path)
         try:
-            _write(beside, content, durable)
+            _write(beside, data, durable)
             os.replace(beside, path)
         except BaseException:  # an interruption may come at any line, also behind the renaming
             _remove(beside)
@@ -215,10 +217,15 @@ def write_atomically(path: Path, data: bytes | str, *, durable: bool = False) ->
         raise InputError.at(Source(str(path)), why_not_written(path, error)) from error
 
 
-def _write(path: Path, content: bytes, durable: bool) -> None:
-    """Writes a new file, with the permissions that the process gives to new files."""
+def _write(path: Path, content: bytes | str, durable: bool) -> None:
+    """Writes a new file, with the permissions that the process gives to new files.
+
+    A long text is encoded part by part, so that its bytes are not in memory beside it.
+    """
     with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666), "wb") as file:
-        file.write(content)
+        for begin in range(0, len(content), AT_A_TIME):
+            part = content[begin : begin + AT_A_TIME]
+            file.write(part.encode() if isinstance(part, str) else part)
         if durable:
             file.flush()
             os.fsync(file.fileno())
@@ -243,20 +250,19 @@ def write_folder(folder: Path, files: Mapping[str, bytes | str]) -> None:
     made: list[Path] = []
     at = folder
     try:
-        contents = {name: data.encode() if isinstance(data, str) else data for name, data in files.items()}
         for at in reversed((folder, *folder.parents)):
             if at != folder and not at.exists():
                 at.mkdir()
                 made.append(at)
         if not folder.exists():
-            with _filled_beside(folder, folder, contents) as beside:
+            with _filled_beside(folder, folder, files) as beside:
                 beside.rename(folder)
         elif not folder.is_dir():
             raise NotADirectoryError(ENOTDIR, os.strerror(ENOTDIR))
-        elif not (_is_replaced(folder, contents.keys()) and _swapped(folder, contents)):
+        elif not (_is_replaced(folder, files.keys()) and _swapped(folder, files)):
             inside = folder / "set"  # within the folder, so that both are of one file system
-            with _filled_beside(inside, folder, contents) as beside:
-                _place(beside, folder, list(contents))
+            with _filled_beside(inside, folder, files) as beside:
+                _place(beside, folder, list(files))
     except BaseException as error:
         for directory in reversed(made):
             with suppress(OSError):
@@ -269,7 +275,7 @@ def write_folder(folder: Path, files: Mapping[str, bytes | str]) -> None:
 
 
 @contextmanager
-def _filled_beside(near: Path, folder: Path, contents: Mapping[str, bytes]) -> Iterator[Path]:
+def _filled_beside(near: Path, folder: Path, contents: Mapping[str, bytes | str]) -> Iterator[Path]:
     """A folder beside a path with files that are to be in another folder; it is removed in the end."""
     beside = _beside(near)
     _sweep(near)
@@ -287,7 +293,7 @@ def _filled_beside(near: Path, folder: Path, contents: Mapping[str, bytes]) -> I
         _remove(beside)
 
 
-def _swapped(folder: Path, contents: Mapping[str, bytes]) -> bool:
+def _swapped(folder: Path, contents: Mapping[str, bytes | str]) -> bool:
     """Puts a new folder in the place of one at once; ``False`` where it cannot be done so."""
     from shutil import copymode
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import mcpn.files as mcpn_files
+from mcpn.errors import InputError
 from mcpn.files import write_atomically, write_folder
 from tests.conftest import interruptible
 from tests.drivers.test_records import LOOP
@@ -115,3 +116,23 @@ def test_a_folder_is_written_as_a_whole_or_not_at_all(there: bool, tmp_path: Pat
     write_folder(folder, {"a": "1", "b": "2"})
     assert {path.name for path in folder.iterdir()} == {"a", "b"} | ({"other"} if there else set())
     assert (folder / "a").read_text() == "1"
+
+
+def test_a_long_text_is_written_part_by_part_and_half_a_character_in_it_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its bytes are not in memory beside it; what cannot be encoded is found behind what was written."""
+    monkeypatch.setattr(mcpn_files, "AT_A_TIME", 4)
+    text = "añ𝄞" * 9
+    write_atomically(tmp_path / "one", text)
+    write_folder(tmp_path / "folder", {"two": text, "three": text.encode()})
+    read = [path.read_text(encoding="utf-8") for path in sorted(tmp_path.rglob("[ot]*"))]
+    assert read == [text] * 3
+    with pytest.raises(InputError, match="cannot be written"):
+        write_atomically(tmp_path / "one", "new text \ud800")
+    with pytest.raises(InputError, match="cannot be written"):
+        write_folder(tmp_path / "folder", {"two": "new text \ud800"})
+    with pytest.raises(InputError, match="cannot be written"):
+        write_folder(tmp_path / "fresh", {"two": "new text \ud800"})
+    assert {path.name for path in tmp_path.rglob("*")} == {"one", "folder", "two", "three"}
+    assert (tmp_path / "one").read_text(encoding="utf-8") == text

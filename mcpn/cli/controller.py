@@ -116,7 +116,7 @@ def controller(
         walked = _walked(
             certificate, output / "controller.json" if target == "json" else None, written.listed
         )
-    bytes_ = sum(len(text.encode()) for text in texts.values())
+    bytes_ = sum(len(text if text.isascii() else text.encode()) for text in texts.values())
     if bytes_ > MANY_BYTES and found.form != "modular" and target in OF_RULES:
         mb = bytes_ / 1e6
         click.echo(f"note: {mb:,.0f} MB; --form modular has rules in place of tables, mostly less", err=True)

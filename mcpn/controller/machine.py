@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, reduce
 from operator import or_
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -296,16 +296,20 @@ def situations(mission_net: MissionNet, packed: Sequence[int]) -> tuple[Situatio
         if (field := _OTHERS.get(role) or said_as(role)) is not None:
             masks[field] = masks.get(field, 0) | 1 << place
     mask = reduce(or_, masks.values(), 0)
-    filled = {field: first for first in masks for field in (first, *_WITH.get(first, ()))}
-
-    @cache
-    def part(marked: int) -> Situation:
-        return said_by(mission_net, bits_of(marked))
+    known = [
+        (places, (first, *_WITH.get(first, ())), dict[int, list[Any]]()) for first, places in masks.items()
+    ]
+    names = [name for _, fields, _ in known for name in fields]
 
     @cache
     def said(marked: int) -> Situation:
-        parts = {field: part(marked & places) for field, places in masks.items()}
-        return Situation(**{field: getattr(parts[first], field) for field, first in filled.items()})
+        values = list[Any]()
+        for places, fields, of in known:
+            if (here := marked & places) not in of:
+                part = said_by(mission_net, bits_of(here))
+                of[here] = [getattr(part, field) for field in fields]
+            values += of[here]
+        return Situation(**dict(zip(names, values, strict=True)))
 
     return tuple(said(marking & mask) for marking in packed)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
+from io import StringIO
 from typing import Any
 
 from mcpn.robot.targets.rows import Rows
@@ -20,7 +21,10 @@ def write_json(document: Mapping[str, Any]) -> str:
     Returns:
         The text, a line for each state, entry and edge, ending in a newline.
     """
-    return "".join((*_pieces(document, 0, 3), "\n"))
+    text = StringIO()  # whose pieces are not kept beside the text of all
+    text.writelines(_pieces(document, 0, 3))
+    text.write("\n")
+    return text.getvalue()
 
 
 def canonical(value: object) -> Iterator[str]:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from operator import mod
 from typing import Any, overload
 
-AT_ONCE = 256
+AT_ONCE = 1024
 """Rows that are written together: their text is short beside that of all."""
 
 
@@ -59,27 +58,36 @@ class Rows(Sequence[dict[str, Any]]):
             ordered: Whether keys are sorted.
         """
         keys = sorted(self._keys) if ordered else self._keys
-
-        def form(shared: Mapping[str, Any]) -> str:
-            """The text of all rows of a kind, with a gap for each column."""
-            said = (
-                encode(key).replace("%", "%%")
-                + colon
-                + ("%s" if key in self._columns else encode(shared[key]).replace("%", "%%"))
-                for key in keys
-            )
-            return "{" + comma.join(said) + "}"
-
-        forms = [form(shared) for shared in self._shared]
-        columns = [self._columns[key] for key in keys if key in self._columns]
-        numbers = [{*map(type, column)} <= {int} for column in columns]  # which have no need of encoding
+        gaps = [key for key in keys if key in self._columns]
+        # What stands before each gap, and behind the last one, by kind.
+        between = [list[str]() for _ in range(len(gaps) + 1)]
+        for shared in self._shared:
+            text, number = "{", 0
+            for i, key in enumerate(keys):
+                text += (comma if i else "") + encode(key) + colon
+                if key in self._columns:
+                    between[number].append(text)
+                    text, number = "", number + 1
+                else:
+                    text += encode(shared[key])
+            between[number].append(f"{text}}}{comma}")
+        # A row is a row of texts, those that are the same of all kinds joined to what stands behind them.
+        parts: list[tuple[Callable[[Any], str], Sequence[Any]]] = []
+        for key, before in zip(gaps, between, strict=False):
+            lead = before[0] if len({*before}) == 1 else ""
+            if not lead:
+                parts.append((before.__getitem__, self._kinds))
+            column = self._columns[key]
+            said = {v: f"{lead}{v if isinstance(v, int) else encode(v)}" for v in {*column}}
+            parts.append((said.__getitem__, column))
+        parts.append((between[-1].__getitem__, self._kinds))
         yield "["
         for begin in range(0, len(self), AT_ONCE):
             some = slice(begin, begin + AT_ONCE)
-            gaps = [
-                column[some] if plain else [v if isinstance(v, int) else encode(v) for v in column[some]]
-                for column, plain in zip(columns, numbers, strict=True)
-            ]
-            kinds = map(forms.__getitem__, self._kinds[some])
-            yield (comma if begin else "") + comma.join(map(mod, kinds, zip(*gaps, strict=True)))
+            texts = [""] * (len(parts) * len(self._kinds[some]))
+            for number, (text_of, column) in enumerate(parts):
+                texts[number :: len(parts)] = map(text_of, column[some])
+            if begin + AT_ONCE >= len(self):
+                texts[-1] = texts[-1].removesuffix(comma)
+            yield "".join(texts)
         yield "]"
