@@ -11,12 +11,15 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import cached_property
 from itertools import takewhile
+from typing import TypeAlias
 
 from mcpn.events import Event
 from mcpn.nets.petri import Arcs, Marking, PetriNet
 from mcpn.records import record
 from mcpn.spaces.algebra import Edge, S, Space
 from mcpn.spaces.memoized import ByKey
+
+Concerned: TypeAlias = tuple[Sequence[tuple[int, int]], Sequence[int], Sequence[int]]
 
 MOST_REPLAYS = 1_000
 MOST_BESIDE = 50
@@ -31,16 +34,19 @@ class Completion:
 
     Args:
         net: The net.
+        once: Whether one run is completed, in which hardly anything happens twice: nothing is kept of it.
     """
 
-    def __init__(self, net: PetriNet) -> None:
+    def __init__(self, net: PetriNet, *, once: bool = False) -> None:
         self.net = net
-        # What each transition consumes or reads, put together when it is first asked for.
-        self.needs = ByKey[int, Arcs](net.needs)
+        # What each transition consumes or reads, and may have enabled, put together when first asked for.
+        self.needs: Callable[[int], Arcs] = net.needs if once else ByKey(net.needs).__getitem__
+        self.concerned: Callable[[int], Concerned] = (
+            self._concerned if once else ByKey(self._concerned).__getitem__
+        )
         self._queue = {
             net.ranks[transitions[0]]: number for number, transitions in enumerate(net.internal_ranks)
         }
-        self._concerned: dict[int, tuple[Sequence[tuple[int, int]], Sequence[int], Sequence[int]]] = {}
 
     def settle(self, marking: list[int], fired: Iterable[int] | None = None) -> Iterator[int]:
         """The internal transitions fired until the marking is stable; it is changed in place.
@@ -61,21 +67,19 @@ class Completion:
         """The first transition of an event that is enabled in a stable marking; ``None`` where none is."""
         return next((t for t in self.net.events.of(event) if self.net.covers(marking, t)), None)
 
-    def concerned(self, fired: int) -> tuple[Sequence[tuple[int, int]], Sequence[int], Sequence[int]]:
+    def _concerned(self, fired: int) -> Concerned:
         """What a firing may have enabled.
 
         Returns:
             Internal transitions, each after the number of its rank; crowded places that receive a token; and
             rarest places (:attr:`crowds`) whose tokens the firing changes.
         """
-        if fired not in self._concerned:
-            users, (consume, produce, _) = self.net.internal_users, self.net.arcs(fired)
-            places = {place for place, _ in produce}
-            crowded = [place for place in places if place in self.crowds]
-            few = {t for place in places.difference(crowded) for t in users.get(place, ())}
-            touched = {place for place, _ in (*consume, *produce)}
-            self._concerned[fired] = self.queued(few), crowded, sorted(touched & self.rarer)
-        return self._concerned[fired]
+        users, (consume, produce, _) = self.net.internal_users, self.net.arcs(fired)
+        places = {place for place, _ in produce}
+        crowded = [place for place in places if place in self.crowds]
+        few = {t for place in places.difference(crowded) for t in users.get(place, ())}
+        touched = {place for place, _ in (*consume, *produce)}
+        return self.queued(few), crowded, sorted(touched & self.rarer)
 
     def queued(self, transitions: Iterable[int]) -> list[tuple[int, int]]:
         """Internal transitions in their order, each after the number of its rank."""
@@ -138,7 +142,7 @@ class Evolution:
             else:
                 break
             t = queue.popleft()
-            for place, weight in needs[t]:
+            for place, weight in needs(t):
                 if marking[place] < weight:
                     break
             else:
@@ -202,7 +206,7 @@ class Run:
     def firings(self) -> Sequence[int]:
         """Its transitions, internal ones completed."""
         net = self.net
-        evolution, firings = Evolution(Completion(net), list(net.initial)), list[int]()
+        evolution, firings = Evolution(Completion(net, once=True), list(net.initial)), list[int]()
         for t in self.transitions:
             if net.priorities and net.event(t) is not None:
                 firings.extend(evolution.settle())
