@@ -236,7 +236,8 @@ class BlockElement(Element):
     @property
     def stem(self) -> str:
         """Its name in its place, whichever copy it is."""
-        return self.own[: len(self.own) - sum(len(suffix) + 1 for suffix in self.copy)]
+        own = self.own
+        return own[: len(own) - sum(len(suffix) + 1 for suffix in self.copy)] if self.copy else own
 
     @property
     def written(self) -> str:
@@ -528,5 +529,5 @@ def walk(blocks: tuple[Block, ...]) -> Iterator[Block]:
     while stack:
         block = stack.pop()
         yield block
-        if isinstance(block, Holder):
+        if not isinstance(block, Objective) and isinstance(block, Holder):  # of most blocks one is asked
             stack.extend(reversed(block.blocks))

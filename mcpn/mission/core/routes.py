@@ -143,12 +143,16 @@ class Routes(Interrupted):
     @property
     def routes(self) -> tuple[str, ...]:
         """Where the section may lead: by its outcomes, then on each event that interrupts it."""
-        ends = (route for outcome, _ in self.outcomes for route in self.led(outcome))
-        return *ends, *(route for i in self.interruptions for route in i.routes)
+        outcomes = self.outcomes
+        ends = [route for outcome, _ in outcomes for route in self._led(outcomes, outcome)]
+        return *ends, *[route for i in self.interruptions for route in i.routes]
 
     def led(self, outcome: str) -> tuple[str, ...]:
         """Where an outcome may lead, the default first."""
-        default = [route for said, route in self.outcomes if said == outcome]
+        return self._led(self.outcomes, outcome)
+
+    def _led(self, outcomes: Sequence[tuple[str, str]], outcome: str) -> tuple[str, ...]:
+        default = [route for said, route in outcomes if said == outcome]
         if not self.cases or not default:
             return tuple(default)
         return *default, *(case.target for case in self.cases_of(outcome))

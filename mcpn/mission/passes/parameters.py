@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from operator import is_
 from typing import Any
 
 from mcpn.mission.model import Block, Mission, Objective, Parallel, Recursive
@@ -33,6 +34,8 @@ class _InForce:
             said, self.changed = {"parameters": (), "declares": ()}, True
         assert isinstance(block, Recursive | Parallel), "copies are written out"
         inside = tuple([self.block(child, around, declared) for child in block.blocks])
+        if not said and all(map(is_, inside, block.blocks)):
+            return block  # what nothing is said in or around stays the same object
         return replace(block, blocks=inside, **said)
 
     def objective(

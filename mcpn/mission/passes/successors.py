@@ -7,6 +7,7 @@ block have no routes of success.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from mcpn.mission.model import Block, Each, Holder, Mission, Recursive
 from mcpn.mission.rewriting.siblings import following
@@ -20,14 +21,15 @@ def successors(mission: Mission) -> Mission:
 
 def _series(siblings: tuple[Block, ...]) -> tuple[Block, ...]:
     after = following(siblings)
-    return tuple([_led(_inside(block), after[block.name]) for block in siblings])
+    return tuple([_led(block, after[block.name]) for block in siblings])
 
 
-def _led(block: Block, after: str) -> Block:
-    return block if block.success or block.resumes else replace(block, success=after)
-
-
-def _inside(block: Block) -> Block:
-    if isinstance(block, Recursive | Each):
-        return replace(block, blocks=_series(block.blocks))
-    return replace(block, blocks=tuple(map(_inside, block.blocks))) if isinstance(block, Holder) else block
+def _led(block: Block, after: str | None = None) -> Block:
+    """A block with what stands behind it, if anything, and in it all with what stands behind them."""
+    said: dict[str, Any] = {}
+    if isinstance(block, Holder):
+        series = isinstance(block, Recursive | Each)
+        said["blocks"] = _series(block.blocks) if series else tuple(map(_led, block.blocks))
+    if after is not None and not (block.success or block.resumes):
+        said["success"] = after
+    return replace(block, **said) if said else block

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import fields, replace
 from typing import Any
 
-from mcpn.mission.model import Block, BlockElement, Each, Handler, Mission, Parallel, Recursive
+from mcpn.mission.model import Block, BlockElement, Handler, Holder, Mission, Objective, Recursive
 
 _EVERY = tuple(field.name for field in fields(BlockElement))
 
@@ -29,7 +29,7 @@ def everywhere(blocks: tuple[Block, ...], rewrite: Callable[[Block], Block]) -> 
 
 
 def _rewritten(block: Block, rewrite: Callable[[Block], Block]) -> Block:
-    if isinstance(block, Recursive | Parallel | Each):
+    if not isinstance(block, Objective) and isinstance(block, Holder):
         inside = everywhere(block.blocks, rewrite)
         block = block if inside is block.blocks else replace(block, blocks=inside)
     return rewrite(block)
