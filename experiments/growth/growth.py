@@ -1,7 +1,7 @@
 """Missions with shared data that grow: what a check costs beside listing the stable states along one run.
 
 Usage: ``python experiments/growth/growth.py [--family NAME ...] [--sizes N ...] [--seconds S]
-[--python PYTHON]`` or ``python experiments/growth/growth.py --bars``
+[--python PYTHON]``
 
 Five families: a *ladder* of data, each made of the two before it or of one; *producers* with fallbacks, all
 of which one activity wants; branches that *share* one localisation, each with a sensor of its own; branches
@@ -13,8 +13,7 @@ own: CPU seconds and MB of the listing without proof, and of ``check`` with all 
 exponents: cost goes as size to that power. ``--python`` names another interpreter, with another mcpn
 installed, to run the same rows with beside. A check should take at most twice the listing and 0.3 s; the last
 column says by how much more it takes.
-``--bars`` runs commands on large members and on worked missions instead, each a whole process, beside the
-seconds and MB that it should keep: of user and system together. ``--family`` chooses among them, too.
+What whole commands take on large members, ``bars.py`` measures.
 """
 
 from __future__ import annotations
@@ -35,8 +34,6 @@ from pathlib import Path
 sys.path.append(str(Path(__file__).resolve().parents[2]))
 
 from experiments.growth.walls import LOCALISATION, WALLS, activity, mission
-from experiments.shared.missions import Parameters, generate
-from experiments.shared.rates import rated
 from mcpn.mission.model import SUCCEED, Block, Handler, Mission, Objective, Parallel, Recursive
 from mcpn.mission.writer import write_mission
 
@@ -149,54 +146,6 @@ FAMILIES: dict[str, tuple[Callable[[int], Mission], tuple[int, ...]]] = {
     **WALLS,
 }
 
-BARS: tuple[tuple[str, int, str, float, int | None], ...] = (
-    *((family, size, "check", 5, None) for family, size in (("data", 20), ("ladder", 30), ("producers", 12))),
-    *((family, 8, "check", 5, None) for family in ("share", "drivers", "branches")),
-    ("hardware", 40, "check", 5, None),
-    ("hardware", 40, "causes", 2.5, None),
-    ("hardware", 40, "report", 6, None),
-    ("hardware", 40, "modular", 2.5, None),
-    ("100 sections of", 30, "causes", 2, None),
-    ("fused", 8, "check", 1, None),
-    ("fused", 12, "check", 2, None),
-    ("crashing", 12, "check", 1.3, None),
-    ("crashing", 16, "check", 3, None),
-    ("overlapping", 16, "check", 3, None),
-    ("chains", 8, "check", 3, None),
-    ("tasks", 64, "check", 5, None),
-    ("pausing", 10, "check", 0.8, None),
-    ("pausing", 12, "check", 1.5, None),
-    ("pausing", 10, "modular", 5, None),
-    ("quadruped", 6, "modular", 3, None),
-    ("sites", 5, "tests", 5, None),
-    ("sites", 5, "flat", 1.2, None),
-    ("sites with rates", 5, "rates", 1, None),
-    ("inspecting", 10_000, "check", 15, 500),
-    ("inspecting", 10_000, "causes", 40, None),
-    ("inspecting", 10_000, "report", 45, None),
-    ("courier", 0, "check", 1, None),
-    ("ulysse", 0, "check", 0.16, None),
-    ("net", 0, "check", 0.09, None),
-    ("past", 8, "check", 5, None),
-    ("passing", 8, "check", 1.3, None),
-    ("sites", 1000, "check", 1.6, 70),
-    ("sites", 3000, "check", 5, None),
-    ("sites", 3000, "text", 12, 500),
-    ("branches", 5, "modular", 2, None),
-    ("branches", 6, "hierarchical", 2, None),
-    ("sites", 10_000, "check", 18, 600),
-    ("sites", 10_000, "text", 45, 1500),
-    ("sites", 10_000, "causes", 60, None),
-    ("sites", 10_000, "report", 60, None),
-)
-"""A family and a size, a command, the seconds and MB that it should take at most.
-
-``courier`` and ``ulysse`` are worked missions, ``net`` is a net of two places. ``passing`` may contend and
-does not: it should take at most so many times what ``past`` takes, which is the same and cannot contend.
-"""
-QUICK = 1.0
-"""Seconds of a bar below which the least of several runs counts."""
-
 LIST = """
 import json, resource, sys, time
 from mcpn.mission.xml import read_mission
@@ -269,82 +218,19 @@ def over(listed: tuple[object, float, float] | None, checked: tuple[object, floa
 
 def write(family: str, size: int, folder: str) -> Path:
     """Writes a member of a family."""
-    worked = Path(__file__).parents[1] / family / "mission.xml"
-    if worked.exists():
-        return worked
-    if family == "net":
-        path = Path(folder) / "net.net"
-        path.write_text("pl a (1)\ntr t a -> b\ntr u b -> a\n", encoding="utf-8")
-        return path
-    if family == "100 sections of":
-        made = generate(Parameters(100, 20, size, per_section=4))
-    elif family == "sites with rates":
-        made = rated(FAMILIES["sites"][0](size))
-    else:
-        made = FAMILIES[family][0](size)
-    path = Path(folder) / f"{family.replace(' ', '_')}{size}.xml"
-    path.write_bytes(write_mission(made))
+    path = Path(folder) / f"{family}{size}.xml"
+    path.write_bytes(write_mission(FAMILIES[family][0](size)))
     return path
-
-
-OUTPUTS = {
-    "controller": ("-o", "controller"),
-    "modular": ("-o", "controller", "--form", "modular"),
-    "flat": ("-o", "controller", "--form", "flat"),
-    "report": ("-o", "report.html"),
-    "tests": ("-o", "tests"),
-    "hierarchical": ("-o", "controller", "--form", "hierarchical"),
-    "rates": ("--rates", "--json"),
-    "text": (),
-}
-"""The options of commands that write files, or words; others have ``--json``."""
-NAMES = {
-    **dict.fromkeys(("modular", "flat", "hierarchical"), "controller"),
-    **dict.fromkeys(("text", "rates"), "causes"),
-}
-"""By their names in :data:`BARS` the commands that are called otherwise."""
-
-
-def print_bars(seconds: float, families: Sequence[str]) -> None:
-    """Prints what commands take beside what they should."""
-    print("| mission | command | should take, s, MB | took, s, MB | |\n|---|---|---|---|---|")
-    past = 0.0
-    with tempfile.TemporaryDirectory() as folder:
-        for family, size, command, most, memory in BARS:
-            if family not in families:
-                continue
-            path = write(family, size, folder)
-            name = NAMES.get(command, command)
-            line = [sys.executable, "-m", "mcpn.cli", name, str(path), *OUTPUTS.get(command, ("--json",))]
-            runs = [run(line, Path(folder), seconds) for _ in range(5 if most <= QUICK else 1)]
-            if family == "passing":
-                most *= past
-            wanted = f"{most:.3g}" + (f", {memory}" if memory else "")
-            took, verdict = "-, -", "missed"
-            if found := [used for each in runs if each is not None for used in each[1:]]:
-                spent = min(used.ru_utime + used.ru_stime for used in found)
-                held = max(used.ru_maxrss for used in found) / 1024
-                took = f"{spent:.2f}, {held:.0f}"
-                verdict = "kept" if spent <= most and (memory is None or held <= memory) else "missed"
-                past = spent if family == "past" else past
-            print(f"| {family} {size or ''} | {command} | {wanted} | {took} | {verdict} |", flush=True)
 
 
 def main() -> None:
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    names = [*FAMILIES, *dict.fromkeys(family for family, *_ in BARS if family not in FAMILIES)]
-    parser.add_argument("--family", nargs="+", choices=names)
+    parser.add_argument("--family", nargs="+", choices=FAMILIES)
     parser.add_argument("--sizes", nargs="+", type=int)
     parser.add_argument("--seconds", type=float, default=60, help="of CPU for each row (default 60)")
     parser.add_argument("--python", help="another interpreter to run the same rows with")
-    parser.add_argument("--bars", action="store_true", help="commands on large members instead")
     options = parser.parse_args()
-    if options.bars:
-        print_bars(options.seconds, options.family or names)
-        return
-    if options.family and not FAMILIES.keys() >= {*options.family}:
-        parser.error("worked missions and the net do not grow: they have --bars alone")
     pythons = [sys.executable, *([options.python] if options.python else [])]
     others = "| check beside, s, MB " * (len(pythons) - 1)
     print(f"| family | size | stable states | listed, s, MB | check, s, MB {others}| over |")
