@@ -12,6 +12,7 @@ from mcpn.controller import generate, sizes
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.mission.writer import save_mission
+from mcpn.robot.targets import TARGETS
 from mcpn.spaces.stable import alternatives
 from tests.commands import mcpn, output
 
@@ -171,7 +172,7 @@ BROKEN = """<mission name="m" xmlns="urn:mcpn:mission:1">
 """
 
 
-@pytest.mark.parametrize("target", ["json", "c", "python", "scxml", "btcpp", "ros2"])
+@pytest.mark.parametrize("target", TARGETS)
 def test_a_mission_that_fails_gets_no_controller_unasked(target: str, tmp_path: Path) -> None:
     path, out = tmp_path / "m.xml", tmp_path / "out"
     path.write_text(BROKEN)

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from mcpn.robot.runtime import Controller, Refused
+from mcpn.robot.targets import TARGETS
 from tests.commands import mcpn, output
 
 MISSION = """<mission name="m" xmlns="urn:mcpn:mission:1">
@@ -37,7 +38,7 @@ def mission(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "m.xml"
 
 
-@pytest.mark.parametrize("target", ["json", "python", "c", "scxml", "ros2", "btcpp"])
+@pytest.mark.parametrize("target", TARGETS)
 def test_the_targets(target: str, tmp_path: Path) -> None:
     output("controller", "m.xml", "-o", "out", "--target", target)
     written = "".join(path.read_text() for path in (tmp_path / "out").rglob("*") if path.is_file())

@@ -16,6 +16,7 @@ from mcpn.cli.options import FILE, Question, question
 from mcpn.cli.printed import emit_json
 from mcpn.cli.verified_first import require_verified
 from mcpn.errors import SemanticsError
+from mcpn.robot.targets import OF_RULES, TARGETS, files
 
 REFUSED = "not written: mcpn check says no (--unverified writes it all the same)"
 MANY_BYTES = 2_000_000
@@ -38,7 +39,7 @@ def _once() -> Callable[[str], None]:
 @click.argument("mission", type=FILE)
 @click.option(
     "--target",
-    type=click.Choice(["json", "c", "python", "scxml", "btcpp", "ros2"]),
+    type=click.Choice([*TARGETS]),
     default="json",
     show_default=True,
     help="btcpp: a node of BehaviorTree.CPP 4, around c; ros2: a package with a node, around python.",
@@ -81,7 +82,6 @@ def controller(
     from mcpn.controller.minimise import minimise
     from mcpn.controller.sizes import MAX_TABLE_STATES
     from mcpn.files import write_atomically, write_folder
-    from mcpn.robot.targets import OF_RULES, files
 
     study = question.study(mission)
     question.keep_apart(mission, study, certificate, made=output)

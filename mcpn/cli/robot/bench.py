@@ -14,15 +14,13 @@ from mcpn.cli.options import FILE, FiniteRange, Question, question
 from mcpn.cli.printed import emit_json
 from mcpn.cli.robot.watching import monitors_for
 from mcpn.errors import InputError, LimitError
+from mcpn.robot.bench import AGAINST
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.risk import Risk
     from mcpn.robot.bench.generated_code import Difference, Generated
     from mcpn.robot.bench.runs import Bench, BenchRun
     from mcpn.study import Study
-
-
-TARGETS = ("c", "python", "scxml")
 
 
 @click.command()
@@ -42,7 +40,7 @@ TARGETS = ("c", "python", "scxml")
     help="Mean hours where none are given (default: such runs are untimed).",
 )
 @click.option("--faults", type=FILE, help="Further events that happen: on each line hours and an event.")
-@click.option("--against", type=click.Choice(TARGETS), help="Compare generated code on all runs.")
+@click.option("--against", type=click.Choice(AGAINST), help="Compare generated code on all runs.")
 @click.option("--traces", type=FILE, help="Directory for a journal of each of the first ten failures.")
 @click.option("--monitors", "watching", is_flag=True, help="Watch the mission's requirements on all runs.")
 @question(trees=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mcpn.robot.bench import AGAINST
 from mcpn.robot.runtime.documents import texts
 from mcpn.robot.runtime.shapes import (
     Boolean,
@@ -81,7 +82,7 @@ BENCH = Document(
                 ObjectOf(
                     "Generated code beside the runtime, where it was asked for.",
                     {
-                        "target": OneOf("Which.", "c", "python", "scxml"),
+                        "target": OneOf("Which.", *AGAINST),
                         "agrees": Boolean("Whether it does the same on every event of every run."),
                         "events": texts("Else the events up to the first difference."),
                         "expected": Nullable(String("What the runtime does on the last of them.")),
