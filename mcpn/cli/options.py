@@ -15,7 +15,7 @@ import click
 
 from mcpn.errors import InputError, Source
 from mcpn.records import record
-from mcpn.spaces.engine_names import EXPLICIT, LOCAL, SYMBOLIC
+from mcpn.spaces.engine_names import SPACE_ENGINES
 
 if TYPE_CHECKING:
     from mcpn.drawing.templates import TemplateSet
@@ -152,7 +152,7 @@ def engine_option(*more: str) -> Callable[[Any], Any]:
     Args:
         more: Engines that this command knows besides.
     """
-    known = click.Choice(["auto", EXPLICIT, SYMBOLIC, LOCAL, *more])
+    known = click.Choice(["auto", *SPACE_ENGINES, *more])
     told = "The engine that answers; auto chooses by the mission, and tries another if one gives up."
     return click.option("--engine", type=known, default="auto", show_default=True, help=told)
 

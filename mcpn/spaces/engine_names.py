@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final, Literal, TypeAlias, TypedDict
+from typing import Final, Literal, TypeAlias, TypedDict, get_args
 
 EXPLICIT: Final = "explicit"
 """Lists states in arrays."""
@@ -15,10 +15,12 @@ PYEDA: Final = "pyeda"
 
 On: TypeAlias = Literal["markings", "alternatives"]
 Engine: TypeAlias = Literal["explicit", "symbolic", "local"]
-Asked: TypeAlias = Literal["auto", "explicit", "symbolic", "local", "search"]
+Asked: TypeAlias = Literal["auto", Engine, "search"]
 """An engine by name, or ``auto``; ``search`` answers questions of logic without a space."""
-Counting: TypeAlias = Literal["auto", "explicit", "symbolic", "local", "pyeda"]
+Counting: TypeAlias = Literal["auto", Engine, "pyeda"]
 """Who counts states; ``auto``: the first of the others that answers."""
+SPACE_ENGINES: tuple[Engine, ...] = get_args(Engine)
+"""Those that build a space."""
 
 
 class Limited(TypedDict, total=False):

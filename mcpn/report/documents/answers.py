@@ -18,7 +18,7 @@ from mcpn.robot.runtime.shapes import (
     Shared,
     String,
 )
-from mcpn.spaces.engine_names import EXPLICIT, LOCAL, PYEDA, SYMBOLIC
+from mcpn.spaces.engine_names import PYEDA, SPACE_ENGINES
 
 RUN = Nullable(
     ObjectOf(
@@ -494,9 +494,7 @@ ASK = Document(
                     Integer("Of a property that asks for a bound: the bound; null of none.", least=None)
                 ),
                 "unbounded?": Boolean("Of such a property: whether there is no bound."),
-                "engine?": OneOf(
-                    "The engine that answered.", "auto", EXPLICIT, SYMBOLIC, "search", LOCAL, PYEDA
-                ),
+                "engine?": OneOf("The engine that answered.", "auto", *SPACE_ENGINES, "search", PYEDA),
                 "why?": Nullable(String("Why it was chosen; null where it was named.")),
             },
         ),

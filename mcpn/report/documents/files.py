@@ -12,7 +12,7 @@ from mcpn.robot.runtime.shapes import (
     OneOf,
     String,
 )
-from mcpn.spaces.engine_names import EXPLICIT, LOCAL, PYEDA, SYMBOLIC
+from mcpn.spaces.engine_names import PYEDA, SPACE_ENGINES
 
 REPORT = Document(
     "report",
@@ -22,7 +22,7 @@ REPORT = Document(
         {
             "file": String("The page."),
             "bytes": Integer("Its size."),
-            "engine": OneOf("The engine that answered.", "auto", EXPLICIT, SYMBOLIC, LOCAL, PYEDA),
+            "engine": OneOf("The engine that answered.", "auto", *SPACE_ENGINES, PYEDA),
             "passed": Boolean("All required verdicts hold."),
         },
     ),

@@ -14,11 +14,10 @@ from mcpn.robot.runtime.shapes import (
     OneOf,
     String,
 )
-from mcpn.spaces.engine_names import EXPLICIT, LOCAL, PYEDA, SYMBOLIC
+from mcpn.spaces.engine_names import LOCAL, PYEDA, SPACE_ENGINES, SYMBOLIC
 
-ENGINES = ("auto", EXPLICIT, SYMBOLIC, LOCAL, PYEDA)
 ANSWERED = {
-    "engine": OneOf("The engine that answered.", *ENGINES),
+    "engine": OneOf("The engine that answered.", "auto", *SPACE_ENGINES, PYEDA),
     "why": Nullable(String("Why it was chosen; null where it was named.")),
     "seconds": Number("How long it took.", least=0),
 }
