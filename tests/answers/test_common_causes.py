@@ -19,7 +19,7 @@ from mcpn.mission.writer import written
 from mcpn.mission.xml import read_mission
 from mcpn.report.failures.openpsa import structured
 from mcpn.report.pictures.objectives import mission_drawing
-from mcpn.spaces.engine_names import Engine
+from mcpn.spaces.engine_names import SPACE_ENGINES, Engine
 from mcpn.study import open_study
 from tests.logic.asked import ENGINES, Asked
 from tests.logic.oracle import minimal
@@ -73,7 +73,7 @@ def test_numbers_against_a_closed_form(net: MissionNet, engine: Engine) -> None:
     assert numbers.importance["board"] == pytest.approx(never)
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 @pytest.mark.parametrize(
     ("formula", "holds"),
     [

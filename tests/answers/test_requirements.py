@@ -15,7 +15,7 @@ from mcpn.errors import InputError
 from mcpn.logic.syntax import parse
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import read_mission
-from mcpn.spaces.engine_names import Asked
+from mcpn.spaces.engine_names import SPACE_ENGINES, Asked
 from mcpn.spaces.search.goal import Fires, marked
 from tests.commands import mcpn, output
 
@@ -74,7 +74,7 @@ def test_what_is_not_decided_is_not_called_violated(tmp_path: Path) -> None:
     assert re.search("^not decided: .*, never$", said, re.MULTILINE)
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 def test_each_use_of_a_protocol_is_asked(tmp_path: Path, engine: Asked) -> None:
     others = (
         '<requirement name="ends" formula="F (success | failure)"/>'
@@ -129,7 +129,7 @@ def test_what_is_violated_is_told_with_its_run(tmp_path: Path) -> None:
     assert told["witness"]["events"][0] == "MISSION_EV_START"
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 @pytest.mark.parametrize(
     ("formula", "last"),
     [
@@ -293,7 +293,7 @@ DIGS = """<mission name="digs" xmlns="urn:mcpn:mission:1">
 </mission>"""
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 @pytest.mark.parametrize(
     ("most", "said"),
     [

@@ -18,6 +18,7 @@ from mcpn.logic.syntax import parse
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.report.page import page
+from mcpn.spaces.engine_names import SPACE_ENGINES
 from mcpn.testing import missions
 from mcpn.testing.elements import GUARDED, PAUSING, PAUSING_APART, WORLD, WORLD_ABORTED
 from tests.commands import mcpn
@@ -57,7 +58,7 @@ AISLES = """
 """Steering takes the motor, and then has none for the position that it needs: turning can never succeed."""
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 def test_a_block_that_is_never_entered_is_one_sentence(tmp_path: Path, engine: str) -> None:
     found = checked(tmp_path, AISLES, engine)
     assert found.failing == ["nominal_success"]  # though nothing fails, turning cannot succeed
@@ -79,7 +80,7 @@ FUTILE = """
 """
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 def test_success_that_leads_only_to_failure_is_told_with_its_cause(tmp_path: Path, engine: str) -> None:
     found = checked(tmp_path, FUTILE, engine)
     assert [problem.message for problem in found.futile] == [
@@ -153,7 +154,7 @@ AWAY = """
 """
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 @pytest.mark.parametrize(
     ("handler", "cause"),
     [

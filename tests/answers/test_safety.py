@@ -15,7 +15,7 @@ from mcpn.drawing.compose import compose
 from mcpn.errors import InputError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from mcpn.spaces.engine_names import Asked
+from mcpn.spaces.engine_names import SPACE_ENGINES, Asked
 from mcpn.testing import missions
 from tests.commands import mcpn, output
 
@@ -67,7 +67,7 @@ def asked(name: str, folder: Path, engine: Asked = "auto") -> dict[str, SafetyAn
     return {each.name: each for each in found}
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 @pytest.mark.parametrize("name", BLOCKS)
 def test_each_question_is_answered_with_no_where_it_should_be(
     name: str, engine: Asked, tmp_path: Path

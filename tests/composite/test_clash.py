@@ -17,7 +17,7 @@ from mcpn.errors import ConfluenceError, LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.nets.petri import Marking, PetriNet
-from mcpn.spaces.engine_names import Engine
+from mcpn.spaces.engine_names import SPACE_ENGINES, Engine
 from mcpn.spaces.engines import Choice
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.run import Completion
@@ -151,7 +151,7 @@ def a_clash_after_a_crash_of_what_does_not_run() -> MissionNet:
     return compose(small.mission(of, Parallel(name="p", blocks=branches)))
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 def test_a_clash_that_causes_alone_come_to_is_told_as_such(engine: Engine) -> None:
     found = a_clash_after_a_crash_of_what_does_not_run()
     assert check(found, engine=engine).verdicts["confluent"].holds
@@ -164,7 +164,7 @@ def test_a_clash_that_causes_alone_come_to_is_told_as_such(engine: Engine) -> No
 
 
 @fewer(0.4, least=6)
-@given(CRASHING, st.sampled_from(["explicit", "symbolic", "local"]))
+@given(CRASHING, st.sampled_from(SPACE_ENGINES))
 def test_clashes_where_hardware_may_die_are_told_in_mission_words(mission: Mission, engine: Engine) -> None:
     try:
         spaces_of(composed(mission)).space(Choice(engine, max_states=10_000), "alternatives", may_die=True)

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, get_args
+from typing import Any
 
 from mcpn.answers.causes.find import Causes, find_causes
 from mcpn.answers.causes.minimal_cut_sets import CutSet, CutSets, Moment
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.spaces_by_engine import spaces_of
 from mcpn.drawing.compose import MissionNet
-from mcpn.spaces.engine_names import Engine
+from mcpn.spaces.engine_names import SPACE_ENGINES, Engine
 
-ENGINES: tuple[Engine, ...] = get_args(Engine)
+ENGINES = SPACE_ENGINES
 
 
 class Asked:

@@ -32,7 +32,7 @@ from mcpn.report.failures.terminal import print_fmeca
 from mcpn.report.progress import exploring, listening
 from mcpn.report.terminal import LEAST_WIDTH, Terminal, plain
 from mcpn.report.words import modes_in_words, modes_together
-from mcpn.spaces.engine_names import Engine
+from mcpn.spaces.engine_names import SPACE_ENGINES, Engine
 from mcpn.steps import Doing, WorkStep, step, tell
 from tests.commands import mcpn, output
 from tests.conftest import ROOT, ULYSSE
@@ -184,7 +184,7 @@ def test_the_step_that_is_announced_is_named_and_how_far_it_is() -> None:
     assert heard.explored == (0, 0)
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 def test_every_engine_announces_its_steps(
     engine: Engine, ulysse_net: MissionNet, caplog: pytest.LogCaptureFixture
 ) -> None:

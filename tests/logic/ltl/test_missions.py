@@ -22,7 +22,7 @@ from mcpn.spaces.algebra import Space
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives
 from mcpn.spaces.diagrams.symbolic import reach
-from mcpn.spaces.engine_names import Asked
+from mcpn.spaces.engine_names import SPACE_ENGINES, Asked
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.stable.alternatives import by_reduction
 from mcpn.testing import missions
@@ -60,7 +60,7 @@ def test_every_engine_and_tableaux_agree_on_missions(mission: Mission, data: st.
         assert Evaluation(space).holds(alone) == (graph.marking(0) in expected)
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 @pytest.mark.parametrize(
     ("formula", "fair", "holds"),
     [
