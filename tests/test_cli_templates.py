@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from mcpn.spaces.engine_names import SPACE_ENGINES
 from tests.commands import mcpn, output
 from tests.conftest import ULYSSE
 
@@ -53,7 +54,7 @@ def test_questions_are_asked_with_them(mine: str) -> None:
     assert not output("ask", ULYSSE, "AG EF !oos(GPS_sensor)", "--templates", mine, code=1)[0]["holds"]
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 def test_spaces_are_built_with_them(mine: str, engine: str) -> None:
     given = ("--engine", engine, "--templates", mine)
     found = output("alternatives", ULYSSE, *given)

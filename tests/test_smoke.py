@@ -7,11 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from mcpn.spaces.engine_names import SPACE_ENGINES
 from tests.commands import mcpn, output
 from tests.conftest import ULYSSE
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 def test_ulysse_is_verified_by_every_engine(engine: str) -> None:
     assert output("check", ULYSSE, "--engine", engine)["alternatives"] == {"states": 260, "edges": 1332}
 

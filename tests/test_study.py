@@ -20,7 +20,7 @@ from mcpn.drawing.compose import compose
 from mcpn.errors import InputError, LimitError, McpnError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.report.notebook import show
-from mcpn.spaces.engine_names import Engine
+from mcpn.spaces.engine_names import SPACE_ENGINES, Engine
 from mcpn.spaces.engines import Choice
 from mcpn.testing import missions
 from tests.conftest import ROOT, ULYSSE
@@ -133,7 +133,7 @@ def test_what_was_listed_within_a_limit_serves_every_higher_one(built: Counter[s
         spaces.bound(max_states=100).listed()
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 @fewer(0.2)
 @given(mission=missions(), order=st.permutations(["check", "ctl", "causes", "alternatives"]))
 def test_a_study_answers_as_fresh_spaces_do(engine: Engine, mission: Mission, order: list[str]) -> None:

@@ -8,6 +8,7 @@ from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import compose
 from mcpn.mission.core.flattening import flatten
 from mcpn.mission.model import Block, Each, Handler, Mission, Objective, Parallel, Recursive
+from mcpn.spaces.engine_names import SPACE_ENGINES
 from mcpn.testing.judge.interpreter import DECLARED, FAILURE, START, SUCCESS, Happening, Interpreter
 from tests.judge.lockstep import Judge
 from tests.judge.test_interpreter import play
@@ -136,7 +137,7 @@ def test_what_an_abort_leads_to(
     assert state.outcome == outcome
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 def test_verdicts_of_a_mission_that_aborts(engine: str) -> None:
     blocks = (one("a", success="succeed", failure="abort"),)
     found = check(compose(mission(ROBOT, *blocks)), engine=engine)  # type: ignore[arg-type]

@@ -8,6 +8,7 @@ import pytest
 
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
+from mcpn.spaces.engine_names import SPACE_ENGINES
 from mcpn.testing.judge.interpreter import (
     DECLARED,
     FAILURE,
@@ -65,7 +66,7 @@ def test_every_engine_and_controller_does_what_the_page_says(faults: Path, name:
     assert Judge(read_mission(fault(faults, name))).judge().kind == "agree"
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 @pytest.mark.parametrize(
     ("name", "formula"),
     [
@@ -86,7 +87,7 @@ def test_what_ends_at_one_moment_ends_as_the_page_says(
     assert answer["holds"]
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 @pytest.mark.parametrize(
     ("name", "success"),
     [

@@ -7,6 +7,7 @@ import pytest
 from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission, Objective, Parallel, Recursive
+from mcpn.spaces.engine_names import SPACE_ENGINES
 from mcpn.testing.judge.interpreter import SUCCESS, TIMEOUT, Happening, Interpreter
 from tests.judge.lockstep import Judge
 from tests.judge.test_abort import BEGIN, ROBOT, one
@@ -77,7 +78,7 @@ def test_what_a_timeout_leads_to(
     assert told == {name for name in running if interpreter.objectives[name].timeout}
 
 
-@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("engine", SPACE_ENGINES)
 def test_verdicts_where_only_a_timeout_leads_on(engine: str) -> None:
     blocks = (timed("a", "b", success="fail", failure="fail"), one("b"))
     found = check(compose(mission(ROBOT, *blocks)), engine=engine)  # type: ignore[arg-type]
