@@ -248,17 +248,30 @@ def test_graphviz_may_fail(ulysse: MissionNet, monkeypatch: pytest.MonkeyPatch) 
     asked = []
     answers = graphviz._answers
 
-    def dies(questions: Sequence[dict[str, Any]], *when: str) -> list[dict[str, Any]] | None:
+    def dies(questions: Sequence[dict[str, Any]], *when: str) -> list[dict[str, Any]] | str:
         asked.append([question["splines"] for question in questions])
-        return None if asked[-1][0] in when else answers(questions)
+        return "it dies" if asked[-1][0] in when else answers(questions)
 
     monkeypatch.setattr(graphviz, "_answers", lambda questions: dies(questions, "true"))
     assert "transect.diving" in drawn(ulysse, "objectives").svg
     assert asked == [["true"], ["true"], ["line"]]
     monkeypatch.setattr(graphviz, "_answers", lambda questions: dies(questions, "true", "line"))
-    with pytest.raises(LimitError, match="Objectives graph of the mission ulysse: Graphviz finds no layout"):
+    no_layout = "Objectives graph of the mission ulysse: Graphviz finds no layout: it dies"
+    with pytest.raises(LimitError, match=no_layout):
         _ = drawn(ulysse, "objectives").svg
-    assert answers([{"splines": "true", "nodes": "none"}]) is None
+
+
+def test_why_there_is_no_layout_is_said_as_it_is(ulysse: MissionNet, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A process that fails at once did not take a minute, and one that takes long did not fail."""
+    told = graphviz._answers([{"splines": "true", "nodes": "none"}])
+    assert told == "its process ended with KeyError: 'sideways'"
+    monkeypatch.setattr(sys, "executable", shutil.which("false"))
+    with pytest.raises(LimitError, match="finds no layout: its process ended with exit code 1"):
+        _ = drawn(ulysse, "objectives").svg
+    monkeypatch.undo()
+    monkeypatch.setattr(graphviz, "SECONDS", 0.01)
+    with pytest.raises(LimitError, match=r"finds no layout: it takes longer than 0\.01 seconds"):
+        _ = drawn(ulysse, "objectives").svg
 
 
 def test_without_the_extra_an_error_says_what_to_install(

@@ -51,22 +51,22 @@ def laid_out(questions: Sequence[Question], name: str) -> list[Layout]:
 
     needed("pygraphviz", "a drawing of a graph")
     layouts = _answers([{**question, "splines": CURVES} for question in questions])
-    if layouts is not None:
+    if not isinstance(layouts, str):
         return layouts
     singly = []
     for question in questions:
         for splines in (CURVES, STRAIGHT):
             layouts = _answers([{**question, "splines": splines}])
-            if layouts is not None:
+            if not isinstance(layouts, str):
                 singly += layouts
                 break
         else:
-            raise LimitError(f"{name}: Graphviz finds no layout in {SECONDS} seconds")
+            raise LimitError(f"{name}: Graphviz finds no layout: {layouts}")
     return singly
 
 
-def _answers(questions: Sequence[Question]) -> list[Layout] | None:
-    """Layouts, or ``None`` where Graphviz fails with one of the graphs or takes too long."""
+def _answers(questions: Sequence[Question]) -> list[Layout] | str:
+    """Layouts, or in words why there are none: Graphviz fails with one of the graphs or takes too long."""
     try:
         run = subprocess.run(
             [sys.executable, "-m", "mcpn.report.pictures.graphviz"],
@@ -77,15 +77,18 @@ def _answers(questions: Sequence[Question]) -> list[Layout] | None:
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return None
+        return f"it takes longer than {SECONDS} seconds"
+    if run.returncode < 0:
+        return f"its process was ended by signal {-run.returncode}"
     if run.returncode:
-        return None
+        said = run.stderr.strip().splitlines()
+        return f"its process ended with {said[-1] if said else f'exit code {run.returncode}'}"
     layouts: list[Layout] = json.loads(run.stdout)
     whole = all(
         sum("pos" in edge for edge in layout.get("edges", ())) == len(question["edges"])
         for layout, question in zip(layouts, questions, strict=True)
     )
-    return layouts if whole else None
+    return layouts if whole else "it leaves edges out"
 
 
 def layout(question: Question) -> Layout:
