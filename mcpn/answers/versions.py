@@ -18,6 +18,7 @@ from mcpn.answers.verdicts.mission import MissionCheck, check
 from mcpn.errors import InputError, LimitError, SemanticsError
 
 if TYPE_CHECKING:
+    from mcpn.answers.requirements import AskedRequirement
     from mcpn.answers.spaces_by_engine import MissionSpaces
 
 MOST_ROWS = 50
@@ -53,6 +54,7 @@ class VersionDifference:
             known.
         cut_sets: By what they defeat, minimal cut sets that only one of them has.
         modes: By objective of both, functioning modes that only one of them has, in words.
+        requirements: By name, requirements of both that do not ask the same: what each asks.
         notes: What could not be compared, and why.
     """
 
@@ -63,13 +65,14 @@ class VersionDifference:
     verdicts: Mapping[str, tuple[bool | None, bool | None]] = field(default_factory=dict)
     cut_sets: Mapping[str, Apart[CutSet]] = field(default_factory=dict)
     modes: Mapping[str, Apart[str]] = field(default_factory=dict)
+    requirements: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     notes: Sequence[str] = ()
 
     @property
     def same(self) -> bool:
         """Whether nothing differs of what was compared."""
-        found = (self.gained, self.lost, self.changed, *self.claims, self.verdicts, self.cut_sets, self.modes)
-        return not any(found)
+        claims = (self.gained, self.lost, self.changed, *self.claims)
+        return not any((*claims, self.verdicts, self.cut_sets, self.modes, self.requirements))
 
 
 class _Version(NamedTuple):
@@ -103,6 +106,7 @@ def compared(first: MissionSpaces, second: MissionSpaces) -> VersionDifference:
         dict(_verdicts(before.check, after.check)),
         cut_sets,
         dict(_modes(before.check, after.check)),
+        dict(_requirements(before.check, after.check)),
         tuple(dict.fromkeys(note for note in (before.note, after.note) if note)),
     )
 
@@ -195,6 +199,28 @@ def _modes(before: MissionCheck, after: MissionCheck) -> Iterator[tuple[str, Apa
                 for check in (before, after)
             )
             yield from _apart(name, was, now)
+
+
+def _requirements(before: MissionCheck, after: MissionCheck) -> Iterator[tuple[str, tuple[str, str]]]:
+    """What requirements of one name ask, where that is not the same: each may be met while it asks less."""
+    earlier = {answer.asked.name: answer.asked for answer in before.requirements}
+    for answer in after.requirements:
+        now = answer.asked
+        was = earlier.get(now.name)
+        if was is not None and (said := _asks(was)) != (says := _asks(now)):
+            yield now.name, (said, says)
+
+
+def _asks(asked: AskedRequirement) -> str:
+    """What a requirement asks, as a formula, and how."""
+    requirement = asked.requirement
+    how = (
+        "must not hold" * (requirement.expected == "fails"),
+        "of fair runs alone" * requirement.fair,
+        requirement.severity * (requirement.severity != "required"),
+    )
+    said = ", ".join(each for each in how if each)
+    return f"{asked.text} ({said})" if said else asked.text
 
 
 def _apart(name: str, was: Sequence[Any], now: Sequence[Any]) -> Iterator[tuple[str, Apart[Any]]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from mcpn.answers.claims.claim import sentences
+from mcpn.answers.claims.claim import Claim, sentences
 from mcpn.answers.versions import Apart, Changed, VersionDifference
 from mcpn.report.terminal import Terminal
 from mcpn.sentences import enumeration, shortened
@@ -38,6 +38,7 @@ def difference_object(found: VersionDifference, first: str, second: str) -> dict
             for name, only in found.cut_sets.items()
         },
         "modes": {name: _sides(*map(list, only)) for name, only in found.modes.items()},
+        "requirements": {name: _sides(*asks) for name, asks in found.requirements.items()},
         "notes": list(found.notes),
     }
 
@@ -68,10 +69,11 @@ def print_difference(found: VersionDifference, first: str, second: str) -> None:
             f"{'; '.join(sentences([each.before]))} Now: {'; '.join(sentences([each.after]))}"
             for each in found.changed
         ],
-        f"what is said of {first} alone": sentences([c for c in found.claims.first if c.holds is not False]),
-        f"what is said of {second} alone": sentences(
-            [c for c in found.claims.second if c.holds is not False]
-        ),
+        "requirements that do not ask the same": [
+            f"{name}: {was}; then: {now}" for name, (was, now) in found.requirements.items()
+        ],
+        f"what is said of {first} alone": _told(found.claims.first),
+        f"what is said of {second} alone": _told(found.claims.second),
         "verdicts": [
             f"{name}: {_answer(was)}, then {_answer(now)}" for name, (was, now) in found.verdicts.items()
         ],
@@ -85,8 +87,17 @@ def print_difference(found: VersionDifference, first: str, second: str) -> None:
                 terminal.print(line, indent=2)
             if (more := len(lines) - MOST_TOLD) > 0:
                 terminal.print(f"and {more} more, which --json lists", indent=2)
+    if not found.same and not any(sections.values()):
+        terminal.print("one is asked what the other is not, and it does not hold: --json lists it")
     for note in found.notes:
         terminal.print(note, style="yellow")
+
+
+def _told(alone: Sequence[Claim]) -> Sequence[str]:
+    """Claims of one mission alone: those that hold, and those that should."""
+    return sentences(
+        [claim for claim in alone if claim.holds is not False or claim.severity != "informative"]
+    )
 
 
 def _answer(holds: bool | None) -> str:

@@ -7,9 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.answers.versions import VersionDifference, compared
+from mcpn.answers.claims import Claim
+from mcpn.answers.versions import Apart, VersionDifference, compared
 from mcpn.errors import InputError
 from mcpn.mission.xml import read_mission
+from mcpn.report.versions import print_difference
 from mcpn.study import Study
 from tests.commands import mcpn
 from tests.conftest import ULYSSE
@@ -87,6 +89,56 @@ def test_the_command_says_what_differs(tmp_path: Path) -> None:
     found = json.loads(mcpn("compare", two, one, "--json").stdout)
     assert not found["same"]
     assert found["modes"] == {"survey": {"first": ["film: ear"], "second": []}}
+
+
+def requiring(folder: Path, name: str, requirement: str) -> Path:
+    path = write(folder, name)
+    path.write_text(path.read_text().replace("</robot>", f"</robot>{requirement}"))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("now", "asks"),
+    [
+        ('formula="EF success"', "EF success"),
+        ('formula="AG EF success" expected="fails"', "AG EF success (must not hold)"),
+        ('formula="AG EF success" severity="advice"', "AG EF success (advice)"),
+        ('formula="AG EF success" fair="true"', "AG EF success (of fair runs alone)"),
+    ],
+)
+def test_a_requirement_that_asks_something_else_differs(tmp_path: Path, now: str, asks: str) -> None:
+    """Both may be met, or both not: that the second asks less is a difference all the same."""
+    first = requiring(tmp_path, "a.xml", '<requirement name="r" formula="AG EF success"/>')
+    second = requiring(tmp_path, "b.xml", f'<requirement name="r" {now}/>')
+    found = of(first, second)
+    assert found.requirements == {"r": ("AG EF success", asks)}
+    assert not found.same
+    run = mcpn("compare", first, second)
+    assert run.returncode == 1
+    assert f"r: AG EF success; then: {asks}" in " ".join(run.stdout.split())
+    described = requiring(
+        tmp_path, "c.xml", '<requirement name="r" formula="AG EF success" description="d"/>'
+    )
+    assert of(first, described).same
+
+
+def test_a_requirement_of_one_alone_that_is_not_met_is_told(tmp_path: Path) -> None:
+    plain = write(tmp_path, "a.xml")
+    for severity in ("required", "advice"):
+        more = requiring(
+            tmp_path, "b.xml", f'<requirement name="r" formula="AG success" severity="{severity}"/>'
+        )
+        for files in ((plain, more), (more, plain)):
+            run = mcpn("compare", *files)
+            assert run.returncode == 1
+            assert f"what is said of {more} alone" in run.stdout
+            assert "Requirement r is not met." in run.stdout
+
+
+def test_a_difference_is_never_told_by_no_line(capsys: pytest.CaptureFixture[str]) -> None:
+    claim = Claim("ignored", ("low", "survey"), False)
+    print_difference(VersionDifference(claims=Apart((), (claim,))), "a.xml", "b.xml")
+    assert "--json lists it" in capsys.readouterr().out
 
 
 def test_what_cannot_be_compared_is_an_error_with_its_file(tmp_path: Path) -> None:

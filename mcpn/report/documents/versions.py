@@ -46,6 +46,10 @@ COMPARE_MISSIONS = Document(
                 "By objective of both, functioning modes that only one has.",
                 _of_both("Of each.", texts("Activities with the alternatives that run.")),
             ),
+            "requirements": MapOf(
+                "By name, requirements of both that do not ask the same.",
+                _of_both("Of each.", String("What it asks: a formula, and how.")),
+            ),
             "notes": texts("What was not compared, and why."),
         },
     ),
