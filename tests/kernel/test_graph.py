@@ -214,3 +214,33 @@ def test_signals_are_heard_within_calls(name: str) -> None:
         timer.join()
         signal.signal(signal.SIGINT, before)
     assert next(left, None) is not None
+
+
+FIELDS = [(0, 0, 1), (0, 1, 1), (0, 63, 1), (1, 0, 1), (1, 5, 1), (0, 8, 3), (1, 40, 2)]
+"""Word, lowest bit and width: bits, and counters beside them."""
+
+
+@given(st.data())
+def test_alternatives_hold_as_their_bounds_say(data: st.DataObject) -> None:
+    """A marked bit that is enough, rare bits of others, and bounds on sums beside them find the same."""
+    sums = st.lists(st.tuples(st.sampled_from(FIELDS), st.integers(-2, 2)), min_size=1, max_size=2)
+    bounds = st.tuples(sums, st.integers(-2, 2)) | st.tuples(
+        st.tuples(st.sampled_from(FIELDS[:5]), st.sampled_from([-1, 1])).map(lambda term: [term]),
+        st.sampled_from([-1, 0]),
+    )
+    ways = data.draw(st.lists(st.lists(bounds, max_size=3), max_size=6))
+    rows = data.draw(st.lists(st.tuples(*(st.integers(0, 2**width - 1) for *_, width in FIELDS)), max_size=6))
+    markings = np.zeros((len(rows), 2), np.uint64)
+    for row, tokens in zip(markings, rows, strict=True):
+        for (word, shift, _), count in zip(FIELDS, tokens, strict=True):
+            row[word] |= np.uint64(count << shift)
+    asked = [[([(*field, weight) for field, weight in terms], most) for terms, most in way] for way in ways]
+    number = {field: place for place, field in enumerate(FIELDS)}
+    expected = [
+        any(
+            all(sum(weight * row[number[field]] for field, weight in terms) <= most for terms, most in way)
+            for way in ways
+        )
+        for row in rows
+    ]
+    assert _kernel.satisfying(markings, asked).tolist() == expected

@@ -6,6 +6,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -378,23 +379,80 @@ struct Conditions {
   }
 };
 
+// Conditions of which one is enough. Where a marked bit is enough, bits are read a word at a time; of others that want
+// a bit marked, those alone are looked at whose rarest bit is.
+class Alternatives {
+ public:
+  Alternatives(const std::vector<Bounds>& alternatives, std::size_t words)
+      : enough_(words, 0), keys_(words, 0), keyed_(words * 64) {
+    for (const Bounds& all : alternatives) {
+      Conditions way;
+      for (const auto& [sum, most] : all) way.add(sum, most);
+      if (!way.never) ways_.push_back(std::move(way));
+    }
+    std::vector<std::size_t> wanted(words * 64, 0);
+    for (const Conditions& way : ways_) each_wanted(way, [&](std::size_t bit) { ++wanted[bit]; });
+    for (std::size_t i = 0; i < ways_.size(); ++i) place(i, wanted);
+  }
+
+  std::size_t work() const { return 1 + always_.size(); }
+
+  bool hold(const std::uint64_t* marking) const {
+    for (std::size_t w = 0; w < enough_.size(); ++w)
+      if (marking[w] & enough_[w]) return true;
+    for (const std::size_t i : always_)
+      if (ways_[i].hold(marking)) return true;
+    for (std::size_t w = 0; w < keys_.size(); ++w)
+      for (std::uint64_t left = marking[w] & keys_[w]; left; left &= left - 1)
+        for (const std::size_t i : keyed_[w * 64 + std::size_t(std::countr_zero(left))])
+          if (ways_[i].hold(marking)) return true;
+    return false;
+  }
+
+ private:
+  template <class F> static void each_wanted(const Conditions& way, F body) {
+    for (const ReadBits& each : way.bits)
+      for (std::uint64_t left = each.marked; left; left &= left - 1)
+        body(each.word * 64 + std::size_t(std::countr_zero(left)));
+  }
+
+  void place(std::size_t i, const std::vector<std::size_t>& wanted) {
+    const Conditions& way = ways_[i];
+    std::size_t key = wanted.size();
+    each_wanted(way, [&](std::size_t bit) {
+      if (key == wanted.size() || wanted[bit] < wanted[key]) key = bit;
+    });
+    if (key == wanted.size()) {
+      always_.push_back(i);
+      return;
+    }
+    const std::uint64_t bit = std::uint64_t(1) << key % 64;
+    if (way.bounds.empty() && way.bits.size() == 1 && way.bits[0].read == bit) {
+      enough_[key / 64] |= bit;
+      return;
+    }
+    keys_[key / 64] |= bit;
+    keyed_[key].push_back(i);
+  }
+
+  std::vector<Conditions> ways_;
+  std::vector<std::uint64_t> enough_, keys_;  // by word
+  std::vector<std::vector<std::size_t>> keyed_;  // by bit
+  std::vector<std::size_t> always_;
+};
+
 Array<bool> satisfying(const Markings& markings, const std::vector<Bounds>& alternatives) {
   for (const Bounds& all : alternatives)
     for (const auto& [sum, most] : all) check(markings, sum);
-  std::vector<Conditions> ways;
-  for (const Bounds& all : alternatives) {
-    Conditions way;
-    for (const auto& [sum, most] : all) way.add(sum, most);
-    if (!way.never) ways.push_back(std::move(way));
-  }
+  const Alternatives ways(alternatives, markings.shape(1));
   const std::uint64_t* marking = markings.data();
   Values<bool> found(markings.shape(0));
   {
     const nb::gil_scoped_release release;
     Signals signals;
     for (std::size_t s = 0; s < found.size; ++s, marking += markings.shape(1)) {
-      signals.after(1 + ways.size());
-      for (std::size_t i = 0; i < ways.size() && !found[s]; ++i) found[s] = ways[i].hold(marking);
+      signals.after(ways.work());
+      found[s] = ways.hold(marking);
     }
   }
   return found.array();
