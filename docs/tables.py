@@ -25,7 +25,7 @@ from mcpn.nets.formats.pnml import KNOWN as OF_PNML
 from mcpn.nets.formats.pnml import REMARKS
 from mcpn.nets.formats.tina import ARCS, DECLARATIONS
 from mcpn.report.documents import FORMATS, json_schema
-from mcpn.report.documents.answers import NAMED
+from mcpn.report.documents.asked import NAMED
 from mcpn.report.documents.bench import ESTIMATED
 from mcpn.report.documents.graphs import ANSWERED
 from mcpn.report.documents.nets import ENGINE

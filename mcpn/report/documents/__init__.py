@@ -8,7 +8,18 @@ from __future__ import annotations
 
 from typing import Any
 
-from mcpn.report.documents import answers, bench, controllers, errors, files, graphs, nets, tests, versions
+from mcpn.report.documents import (
+    answers,
+    asked,
+    bench,
+    controllers,
+    errors,
+    files,
+    graphs,
+    nets,
+    tests,
+    versions,
+)
 from mcpn.robot.runtime.documents import READ_AGAIN
 from mcpn.robot.runtime.shapes import (
     Boolean,
@@ -26,7 +37,7 @@ from mcpn.robot.runtime.shapes import (
     String,
 )
 
-IN_ORDER = (answers, graphs, nets, controllers, tests, bench, files, errors, versions)
+IN_ORDER = (answers, asked, graphs, nets, controllers, tests, bench, files, errors, versions)
 
 FORMATS: dict[str, Document] = {
     document.name: document
