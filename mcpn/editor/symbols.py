@@ -284,11 +284,16 @@ _OPERATORS = {
     "AF": "some day, on every run",
     "EF": "in some state that can be reached",
     "EG": "along some run, always",
+    "EX": "after some event that may be next",
+    "AX": "after every event that may be next",
     "G": "always, on a run",
     "F": "some day, on a run",
     "X": "after the next event",
     "U": "until",
     "W": "until, or for ever",
+    "R": "the second, up to and with the moment of the first, or for ever",
+    "A": "on every run",
+    "E": "on some run",
 }
 _ENDS = {"success": "the mission has succeeded", "failure": "it has failed", "abort": "it has aborted"}
 _MEANINGS = {

@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from lxml import etree
 
 from mcpn.editor.scan import Scan, ScannedElement, scan
-from mcpn.editor.symbols import symbols
+from mcpn.editor.symbols import symbols, words
+from mcpn.logic.syntax import BINDING
 from mcpn.mission.model import Mission
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import read_mission
@@ -35,6 +36,11 @@ def test_a_scan_finds_what_a_parser_finds() -> None:
             )
             for attribute in element.attributes:
                 assert text[attribute.begin : attribute.end] == attribute.value
+
+
+def test_formulas_offer_every_operator_that_is_a_word() -> None:
+    offered = {offer.text for offer in words("formula", "", "", [])}
+    assert {operator for operator in BINDING if operator.isalpha()} <= offered
 
 
 def enclosing(text: str, offset: int) -> ScannedElement | None:

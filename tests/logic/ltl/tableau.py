@@ -21,7 +21,9 @@ from mcpn.spaces.search.goal import Formula
 from tests.logic import formulas as on_states
 from tests.logic.formulas import Edges, Written
 
-OF_PATHS = ("X", "F", "G", "U", "R", "W", "fires")
+OF_ONE, OF_TWO = ("X", "F", "G"), ("U", "R", "W")
+"""Operators on one path that are judged here, by how many formulas they join."""
+OF_PATHS = (*OF_ONE, *OF_TWO, "fires")
 
 
 def formulas(
@@ -34,8 +36,8 @@ def formulas(
 
     def wider(inside: st.SearchStrategy[Written]) -> st.SearchStrategy[Written]:
         return st.one_of(
-            st.tuples(st.sampled_from("!XFG"), inside),
-            st.tuples(st.sampled_from(["->", "U", "R", "W"]), inside, inside),
+            st.tuples(st.sampled_from(["!", *OF_ONE]), inside),
+            st.tuples(st.sampled_from(["->", *OF_TWO]), inside, inside),
             st.tuples(st.sampled_from("&|"), inside, inside),
         )
 

@@ -16,7 +16,7 @@ from mcpn.logic.ltl.formulas import SomePath, is_of_paths, normal
 from mcpn.logic.ltl.parts import PathParts
 from mcpn.logic.ltl.path_search import FoundPath, PathSearch
 from mcpn.logic.questions import Questions
-from mcpn.logic.syntax import parse, parse_open
+from mcpn.logic.syntax import ON_PATH, parse, parse_open
 from mcpn.logic.without_space import Known
 from mcpn.logic.witness import explain
 from mcpn.logic.writing import show
@@ -46,6 +46,11 @@ MOST_NODES = 5_000
 EVERYWHERE, NOWHERE = ("<=", (0,), (0, "p")), ("<", (0, "p"), (0,))
 """Of the place ``p``, by formulas of which only the markings tell it."""
 NETS = nets(max_places=4, max_transitions=5) | state_machines().map(lambda drawn: drawn[0])
+
+
+def test_each_operator_on_one_path_is_judged() -> None:
+    """By the tableaux, which share nothing with the automata, on formulas that are drawn with it."""
+    assert {*tableau.OF_ONE, *tableau.OF_TWO} == ON_PATH.keys() - {"A", "E"}
 
 
 def spaces(net: PetriNet) -> list[Space[Any]]:
