@@ -1,4 +1,4 @@
-"""Frozen dataclasses whose methods are compiled as they are first called, not as modules are imported.
+"""Dataclasses whose methods are compiled as they are first called, not as modules are imported.
 
 The standard library compiles each method of each dataclass as the class is made: of some hundred classes that
 takes longer than many a mission takes to be checked, and most of the methods are never called.
@@ -12,45 +12,49 @@ from typing import TYPE_CHECKING, Any
 
 __all__ = ["record"]
 
+FEW = 20
+"""Records of a class that take less time without a compiled ``__init__`` than it takes to be compiled."""
+
 if TYPE_CHECKING:
     from dataclasses import dataclass as record
 else:
 
     def record(
-        *, frozen: bool, slots: bool = False, kw_only: bool = False, eq: bool = True, repr: bool = True
+        *,
+        frozen: bool = False,
+        slots: bool = False,
+        kw_only: bool = False,
+        eq: bool = True,
+        repr: bool = True,
     ) -> Callable[[type], type]:
-        """Makes a class a frozen dataclass, as ``dataclass`` of the standard library does.
+        """Makes a class a dataclass, as ``dataclass`` of the standard library does.
 
         Records extend records alone: to the standard library they are dataclasses that are not frozen.
 
         Args:
-            frozen: Said for those who read and check types; always true.
+            frozen: Whether fields are set once.
             slots: Whether fields are slots.
             kw_only: Whether fields are given by their names.
-            eq: Whether records that say the same are equal, and have one hash.
+            eq: Whether records that say the same are equal; frozen ones have one hash then, others have none.
             repr: Whether records show their fields.
         """
-        if not frozen:
-            raise TypeError("a record is frozen")
 
         def made(declared: type) -> type:
             own = set(vars(declared))
             cls = dataclass(init=False, repr=False, eq=False, slots=slots, kw_only=kw_only)(declared)
-            methods = {
-                "__init__": _compiled_later(cls, "__init__", _init),
-                "__setattr__": _not_set,
-                "__delattr__": _not_deleted,
-            }
+            methods: dict[str, Any] = {"__init__": _filled_at_first(cls)}
+            if frozen:
+                methods |= {"__setattr__": _not_set, "__delattr__": _not_deleted}
             if "__init__" not in own:
                 methods |= {"__signature__": _Signature()}
-            if slots:
+            if frozen and slots:
                 methods |= {"__getstate__": _state, "__setstate__": _restore}
             if repr:
                 methods |= {"__repr__": _shown}
             if eq and "__eq__" not in own:
                 methods |= {"__eq__": _compiled_later(cls, "__eq__", _eq)}
             if eq and ("__hash__" not in own or vars(declared)["__hash__"] is None):
-                methods |= {"__hash__": _compiled_later(cls, "__hash__", _hash)}
+                methods |= {"__hash__": _compiled_later(cls, "__hash__", _hash) if frozen else None}
             for name, method in methods.items():
                 if name not in own or name == "__hash__":
                     setattr(cls, name, method)
@@ -72,6 +76,44 @@ def _compiled_later(cls: type, name: str, text: Callable[[type], tuple[str, dict
 
     first.__name__, first.__qualname__ = name, f"{cls.__qualname__}.{name}"
     return first
+
+
+def _filled_at_first(cls: type) -> Any:
+    """``__init__``, which is compiled where more than a few records of a class are made."""
+    compiled = _compiled_later(cls, "__init__", _init)
+    left = FEW
+
+    def first(self: object, *args: Any, **given: Any) -> None:
+        nonlocal left
+        left -= 1
+        if left < 0 or not _filled(self, cls, args, given):
+            compiled(self, *args, **given)
+
+    first.__name__, first.__qualname__ = "__init__", f"{cls.__qualname__}.__init__"
+    return first
+
+
+def _filled(made: Any, cls: Any, args: tuple[Any, ...], given: dict[str, Any]) -> bool:
+    """Sets the fields of a record; whether what is given fits them, as the compiled method says more of."""
+    every = fields(cls)
+    values = {**dict(zip((each.name for each in every if not each.kw_only), args, strict=False)), **given}
+    if len(values) < len(args) + len(given):  # some twice, or too many
+        return False
+    for each in every:
+        if each.name in values:
+            value = values.pop(each.name)
+        elif each.default is not MISSING:
+            value = each.default
+        elif each.default_factory is not MISSING:
+            value = each.default_factory()
+        else:
+            return False
+        object.__setattr__(made, each.name, value)
+    if values:
+        return False
+    if hasattr(cls, "__post_init__"):
+        made.__post_init__()
+    return True
 
 
 def _init(cls: type) -> tuple[str, dict[str, Any]]:

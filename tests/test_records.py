@@ -1,4 +1,4 @@
-"""Records do what frozen dataclasses do, and compile a method as it is first called."""
+"""Records do what dataclasses do, and compile a method as it is first called."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from mcpn.records import record
+from mcpn.records import FEW, record
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -122,8 +122,41 @@ def test_a_record_is_not_changed(name: str) -> None:
 )
 def test_wrong_fields_are_refused(given: dict[str, Any], said: str) -> None:
     kind: Any = Part
-    with pytest.raises(TypeError, match=said):
-        kind(**given)
+    for _ in range(FEW + 2):  # at first, and by the compiled method
+        with pytest.raises(TypeError, match=said):
+            kind(**given)
+
+
+@pytest.mark.parametrize(
+    ("args", "given", "said"),
+    [((1, [], 3), {}, "takes from 2 to 3 positional"), ((1,), {"wheels": ()}, "multiple values")],
+)
+def test_wrong_places_are_refused(args: tuple[Any, ...], given: dict[str, Any], said: str) -> None:
+    @record(frozen=True)
+    class Fresh:
+        """Of this test alone."""
+
+        wheels: tuple[int, ...]
+        load: list[str] = field(default_factory=list)
+
+    kind: Any = Fresh
+    for _ in range(FEW + 2):
+        with pytest.raises(TypeError, match=said):
+            kind(*args, **given)
+
+
+def test_the_first_records_are_as_those_after_them() -> None:
+    @record(frozen=True, slots=True)
+    class Fresh:
+        """Of this test alone."""
+
+        name: str
+        size: int = 1
+        load: list[str] = field(default_factory=list, kw_only=True)
+
+    made = [Fresh("a", load=["x"]) for _ in range(2 * FEW)] + [Fresh("a", 1, load=["x"])]
+    assert all(one == made[0] and repr(one) == repr(made[0]) for one in made)
+    assert [Fresh("a").load for _ in range(2)] == [[], []]
 
 
 def test_a_method_is_compiled_as_it_is_first_called() -> None:
@@ -141,6 +174,8 @@ def test_a_method_is_compiled_as_it_is_first_called() -> None:
 
     assert compiled() == set()
     one = Fresh("a")
+    assert compiled() == set()
+    assert [Fresh("a") for _ in range(FEW)]
     assert compiled() == {"__init__"}
     assert one == Fresh("a")
     assert compiled() == {"__init__", "__eq__"}
@@ -148,7 +183,17 @@ def test_a_method_is_compiled_as_it_is_first_called() -> None:
     assert compiled() == {"__init__", "__eq__", "__hash__"}
 
 
-def test_a_record_is_frozen() -> None:
-    kind: Any = record
-    with pytest.raises(TypeError, match="frozen"):
-        kind(frozen=False)
+def test_a_record_that_is_not_frozen_changes_and_has_no_hash() -> None:
+    @record(slots=True)
+    class Open:
+        """Of this test alone."""
+
+        name: str
+        seen: list[str] = field(default_factory=list)
+
+    one = Open("a")
+    one.name = "b"
+    assert one == Open("b") != Open("a")
+    assert copy.copy(one) == one
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(one)
