@@ -6,7 +6,7 @@ the section's own slots are open in it. What is computed once for a set serves e
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property, partial
 from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
@@ -53,6 +53,24 @@ class Allowed(NamedTuple):
 
 
 ALL = Allowed()
+
+
+class _Move(NamedTuple):
+    """What is done with the slot of one element as a status becomes states, and as states become one.
+
+    Args:
+        lost: Levels of an idle state that are marked where the slot is not.
+        gained: Levels that are marked where it is.
+        slot: The slot, alone.
+        taking: The event that makes of a marked slot the levels of the local net, alone.
+        handing: Its reverse, alone.
+    """
+
+    lost: Sequence[int]
+    gained: Sequence[int]
+    slot: Sequence[int]
+    taking: Sequence[int]
+    handing: Sequence[int]
 
 
 class SectionType:
@@ -237,20 +255,18 @@ class SectionType:
     @memoized
     def to_slots(self, states: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
         """Projects states before the entry, or after an exit, to the status of all elements, in slots."""
-        status, event = states.subset(unmarked=own), self.layout.store.event
-        for number, lost, gained in self._changing:
-            slot = own[number]
-            status = status.images([event(gained, [slot, *lost])]) | status.subset(lost, gained)
-        return status.images([event(self._idle(exit_), [])])
+        status = states.subset(unmarked=own)
+        for lost, gained, _, _, handing in self._moves(own):
+            status = status.images(handing) | status.subset(lost, gained)
+        return status.images([self._idle_events(exit_)[0]])
 
     @memoized
     def from_slots(self, status: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
         """The inverse of :meth:`to_slots`: the states before the entry, or after an exit, of a status."""
-        event = self.layout.store.event
-        states = status.images([event([], self._idle(exit_))])
-        for number, lost, gained in self._changing:
-            slot = own[number]
-            states = states.images([event([slot, *lost], gained)]) | states.subset(unmarked=[slot])
+        states = status.images([self._idle_events(exit_)[1]])
+        for _, _, slot, taking, _ in self._moves(own):
+            if changed := states.images(taking):  # else no state has the slot marked
+                states = changed | states.subset(unmarked=slot)
         return self.layout.opened(states, own)
 
     @memoized
@@ -267,6 +283,22 @@ class SectionType:
         if not self.may_end(allowed.local):
             return self.layout.store.empty()
         return self.before_step(self.ends(status, own), allowed)
+
+    @memoized
+    def _moves(self, own: tuple[int, ...]) -> list[_Move]:
+        """What is done with each own slot as a status becomes states, and as states become one."""
+        event = self.layout.store.event
+        return [
+            _Move(lost, gained, [slot], [event([slot, *lost], gained)], [event(gained, [slot, *lost])])
+            for number, lost, gained in self._changing
+            for slot in [own[number]]
+        ]
+
+    @memoized
+    def _idle_events(self, exit_: Exit | None) -> tuple[int, int]:
+        """What unmarks all levels of an idle state, and what marks them."""
+        idle, event = self._idle(exit_), self.layout.store.event
+        return event(idle, []), event([], idle)
 
     def _idle(self, exit_: Exit | None) -> list[int]:
         """Marked levels before the entry, or after an exit, with all slots unmarked."""
