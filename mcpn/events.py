@@ -13,9 +13,10 @@ Event(what=<What.SUCCESS: 'success'>, element='diving', reason='')
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from enum import StrEnum
 from functools import total_ordering
+
+from mcpn.records import record
 
 
 class What(StrEnum):
@@ -69,7 +70,7 @@ _REASON = re.compile(r"OBJ_(.+)_EV_FAIL_([A-Za-z_][A-Za-z0-9_]*)", re.ASCII)
 
 
 @total_ordering
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Event:
     """An event of a net. Two events are equal if and only if their texts are.
 

@@ -126,9 +126,12 @@ class MissionNames(Names):
     def _events(self, name: str) -> set[Event]:
         """The events that a name says: one, or that of all copies of an objective or a block."""
         known = self.net.events
-        from mcpn.robot.runtime.actions import spelled  # which a check without formulas does not load
+        plain = name
+        if name.endswith("_EV"):  # so declared events were once called
+            from mcpn.robot.runtime.actions import spelled
 
-        declared, said = Event(What.DECLARED, spelled(name, self.declared)), Event.parse(name)
+            plain = spelled(name, self.declared)
+        declared, said = Event(What.DECLARED, plain), Event.parse(name)
         if declared in known or declared.element in self.declared:
             return {declared}
         if said.what not in ENDING:

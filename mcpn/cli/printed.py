@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from math import isfinite
 from typing import TYPE_CHECKING, Any
@@ -24,6 +23,8 @@ def emit_json(document: object) -> None:
 
     Python refuses to write integers of more than 4,300 digits, for they may take long; counts may be larger.
     """
+    import json
+
     sys.set_int_max_str_digits(0)
     try:
         text = json.dumps(document, allow_nan=False)

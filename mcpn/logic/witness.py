@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Generic, NamedTuple, Protocol
 
 from mcpn.logic.evaluate import Evaluation
@@ -19,6 +19,7 @@ from mcpn.logic.formulas import EG, EU, EX, Justice, is_temporal
 from mcpn.logic.ltl.formulas import SomePath
 from mcpn.logic.writing import show
 from mcpn.nets.petri import Marking, PetriNet
+from mcpn.records import record
 from mcpn.spaces.algebra import Edge, S
 from mcpn.spaces.formula_names import Names
 from mcpn.spaces.run import Run, transitions_of
@@ -62,7 +63,7 @@ class NoRun(Exception):
     """What is known does not tell the run that shows an answer."""
 
 
-@dataclass
+@record()
 class Witness:
     """A run from the initial state, as it was found; names and words are made when they are asked for.
 

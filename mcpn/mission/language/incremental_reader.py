@@ -9,11 +9,12 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator
 from copy import deepcopy
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from lxml import etree
+
+from mcpn.records import record
 
 if TYPE_CHECKING:
     from mcpn.mission.model import Mission
@@ -22,7 +23,7 @@ MAX_LINES = 65_000
 """libxml2 does not know the lines of longer files one from another."""
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Made:
     """What an element of a file was read as.
 

@@ -9,7 +9,7 @@ fails by is the failure of the block, or of the last of its runs, for no reason.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from mcpn.errors import InputError, Problem
 from mcpn.mission.model import FAIL, UNNAMED, Block, Handler, Mission, Objective, Parallel, Recursive, walk
@@ -17,6 +17,7 @@ from mcpn.mission.rewriting.copying import copied
 from mcpn.mission.rewriting.handlers_in_effect import in_effect
 from mcpn.mission.rewriting.limits import Counted
 from mcpn.mission.rewriting.siblings import entered, pausing, recovering
+from mcpn.records import record
 
 
 def pauses(mission: Mission) -> Mission:
@@ -26,7 +27,7 @@ def pauses(mission: Mission) -> Mission:
     return replace(mission, blocks=_PauseCopies().series(mission.blocks, mission.handlers))
 
 
-@dataclass
+@record()
 class _Stopped:
     """What a pause stops: an objective, or a whole parallel block.
 

@@ -18,12 +18,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Generator, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import isqrt
 from typing import TYPE_CHECKING, Generic, Protocol, TypeAlias, TypeVar, cast
 
 from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit
 from mcpn.errors import McpnError
+from mcpn.records import record
 from mcpn.turns import Pausing, finished
 
 if TYPE_CHECKING:
@@ -118,7 +119,7 @@ class Racer(Protocol[Result]):
         """Ends what it does now, from another thread."""
 
 
-@dataclass
+@record()
 class Race(Generic[Result]):
     """Runners under budgets.
 

@@ -8,7 +8,7 @@ the queue runs dry. And it ends at the latest when its memory is full.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import islice
 from math import inf, log2
 from typing import TYPE_CHECKING
@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from mcpn._kernel import BudgetExceeded, Cancelled
 from mcpn.errors import UnsafeError
 from mcpn.nets.petri import PetriNet
+from mcpn.records import record
 from mcpn.spaces.diagrams.closing import Encode, close
 from mcpn.spaces.diagrams.encoding import Encoding
 from mcpn.spaces.diagrams.order import Order, candidates
@@ -72,7 +73,7 @@ def runners(
         yield ByOrder(net, encode, name, order, memory_limit)
 
 
-@dataclass
+@record()
 class ByOrder:
     """The closure on a diagram of one order, for the race."""
 
@@ -132,7 +133,7 @@ class ByOrder:
             self._encoding.store.cancel()
 
 
-@dataclass
+@record()
 class OneByOne:
     """Exploration of one marking after the other, whose end is put on a diagram, for the race."""
 
