@@ -1,8 +1,11 @@
-"""Smaller formulas that hold in the same states.
+"""Smaller formulas that hold in the same states, and what formulas come to where every path ends.
 
 The rules are those of CTL on maximal paths, all of which count: not for use with fairness. Source of those on
 operators in operators: F. Bønneland, J. Dyhr, P. Jensen, M. Johannsen, J. Srba, *Simplification of CTL
 formulae for efficient model checking of Petri nets*, Petri Nets 2018.
+
+A marking in which nothing may fire repeats for ever; there a path satisfies what it satisfies at all later
+points, and each operator says what its last operand says.
 """
 
 from __future__ import annotations
@@ -11,7 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 from mcpn.logic.formulas import EG, EU, EX, says_eventually, says_one_state, some_path
-from mcpn.logic.ltl.formulas import SomePath
+from mcpn.logic.ltl.formulas import Next, Release, SomePath, Until
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.structure import changes, needs
 from mcpn.spaces.search.goal import (
@@ -20,6 +23,7 @@ from mcpn.spaces.search.goal import (
     TRUE,
     And,
     AtMost,
+    Deadlock,
     Fires,
     Formula,
     Not,
@@ -183,3 +187,60 @@ def _without_constants(formula: Formula, always: Callable[[Formula], bool | None
         return formula
     rest = (f for f in formula.operands if f not in of_state)
     return joined(type(formula)(TRUE if value else FALSE, *rest))
+
+
+def takes_away(net: PetriNet) -> bool:
+    """Whether each firing leaves fewer tokens, so that every path ends.
+
+    Examples:
+        >>> from mcpn.testing.nets import philosophers
+        >>> takes_away(philosophers(2))
+        False
+    """
+    return all(sum(changes(net, t).values()) < 0 for t in range(len(net.transitions)))
+
+
+def where_all_ends(formula: Formula) -> bool | None:
+    """The value of a formula, on markings or on paths, in every dead marking; ``None`` where not the same.
+
+    Examples:
+        >>> from mcpn.spaces.search.goal import DEADLOCK, TRUE, marked
+        >>> where_all_ends(EG(Or(Fires((0,)), DEADLOCK))), where_all_ends(EX(TRUE)), where_all_ends(marked(0))
+        (True, False, None)
+    """
+    match formula:
+        case Deadlock():
+            return True
+        case Fires() | EX():
+            return False
+        case Not((operand,)):
+            value = where_all_ends(operand)
+            return None if value is None else not value
+        case And(operands) | Or(operands):
+            values = set(map(where_all_ends, operands))
+            decides = isinstance(formula, Or)
+            return decides if decides in values else None if None in values else not decides
+        case (
+            EG((last,))
+            | SomePath((last,))
+            | Next((last,))
+            | EU((_, last))
+            | Until((_, last))
+            | Release((_, last))
+        ):
+            return where_all_ends(last)
+    return None
+
+
+def where_paths_end(part: Formula) -> bool | None:
+    """The value of a part of a formula where every path ends; ``None`` where it may differ by marking.
+
+    Args:
+        part: What ``EG``, ``EF`` say of paths, or ``G`` and ``F`` of one.
+    """
+    match part:
+        case EG((last,)) | Release((Or(()), last)) if where_all_ends(last) is False:
+            return False
+        case EU((And(()), last)) | Until((And(()), last)) if where_all_ends(last):
+            return True
+    return None

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from mcpn.logic.formulas import EG, EU, says_eventually
 from mcpn.logic.initial_state import at_first
 from mcpn.logic.ltl.formulas import Release, SomePath, Until
-from mcpn.logic.simplify import simplified
+from mcpn.logic.simplify import simplified, takes_away, where_paths_end
 from mcpn.logic.witness import Explanation, NoRun, Witness
 from mcpn.nets.petri import EVENTS, Marking, PetriNet
 from mcpn.records import record
@@ -67,6 +67,7 @@ class Known:
         runs: By part that begins with ``EF`` and holds the transitions of a run to where its operand holds.
         paths: By part that asks for some path and holds such a path.
         home: A marking that every reachable one leads to, where one is known.
+        all_ends: Whether nothing can go on for ever, as far as is known.
         bounds: Most tokens of each place, as far as is known.
     """
 
@@ -76,6 +77,7 @@ class Known:
         self.runs: dict[Formula, tuple[int, ...]] = {}
         self.paths: dict[Formula, FoundPath] = {}
         self.home: Home | None = None
+        self.all_ends = not net.priorities and takes_away(net)
         self.bounds: Sequence[float] = [inf] * len(net.places)
         self._facts: Facts | None = None
         self._simple: dict[Formula, Formula] = {}
@@ -104,12 +106,13 @@ class Known:
         if formula == SOME_DEADLOCK:  # no bound makes it smaller
             return formula
         if formula not in self._simple:
-            if self._facts is None:
-                self._simple[formula] = simplified(formula, self.net, self.bounds)
-            else:
-                self._simple[formula] = simplified(
-                    formula, self.net, self.bounds, self._always, spelled=not self.net.priorities
-                )
+            self._simple[formula] = simplified(
+                formula,
+                self.net,
+                self.bounds,
+                self._always if self._facts else where_paths_end if self.all_ends else lambda _: None,
+                spelled=self._facts is not None and not self.net.priorities,
+            )
         return self._simple[formula]
 
     def _always(self, part: Formula) -> bool | None:
@@ -120,6 +123,8 @@ class Known:
         marking, what fails there does not hold all along.
         """
         assert self._facts is not None
+        if self.all_ends and (value := where_paths_end(part)) is not None:
+            return value
         home = self.home
         match part:
             case Deadlock():
