@@ -273,7 +273,7 @@ class Store:
         """Ends the operation under way in another thread, and any that is begun later: :class:`Cancelled`."""
 
     progress: Callable[[int], object] | None
-    """Called about once a second of a long operation with the number of nodes, garbage included."""
+    """Called about each hundredth of a second of CPU time with the number of nodes, garbage included."""
 
     @property
     def levels(self) -> int: ...

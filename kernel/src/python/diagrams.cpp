@@ -218,11 +218,8 @@ void bind_diagrams(nb::module_& module) {
          nb::arg("read").none() = nb::none(), nb::arg("zero").none() = nb::none())
       .def("collect", [](PyStore& s) { s.run([&] { s.store.collect(); }); })
       .def("cancel", [](PyStore& s) { s.store.cancelled.store(true); })
-      .def_prop_rw("progress", [](const PyStore& s) { return s.progress.told; },
-                   [](PyStore& s, nb::object told) {
-                     s.progress.told = std::move(told);
-                     s.progress.wait();
-                   }, nb::arg().none())
+      .def_prop_rw("progress", [](const PyStore& s) { return s.progress.told(); },
+                   [](PyStore& s, nb::object told) { s.progress.tell(std::move(told)); }, nb::arg().none())
       .def_prop_ro("levels", [](const PyStore& s) { return s.store.levels; })
       .def_prop_ro("live_nodes", [](const PyStore& s) { return s.store.live(); })
       .def_prop_ro("peak_nodes", [](const PyStore& s) { return s.store.peak(); })

@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t kStackPerLevel = 2048;  // of calls that recurse by level, one inside the other
 constexpr std::size_t kStackBase = 8u << 20;  // of a thread beside that; lazily committed by the system
+constexpr std::chrono::milliseconds kLook{10};  // from one look at signals and progress to the next
 constexpr std::size_t kCallersBase = 1u << 20;  // of a caller's stack beside that: signals' handlers and progress run there
 
 // Tells the caller of a long operation that it goes on, and hears whether it should: with the GIL.
@@ -26,17 +27,15 @@ class Watch {
   bool due() {
     const auto now = std::chrono::steady_clock::now();
     if (now < next_) return false;
-    next_ = now + std::chrono::milliseconds(50);
+    next_ = now + kLook;
     return true;
   }
   bool must_stop() {
     return PyErr_CheckSignals() != 0 || told_to_stop();
   }
   bool told_to_stop() {
-    if (progress_.told.is_none()) return false;
-    if (std::chrono::steady_clock::now() < progress_.due) return false;
-    progress_.wait();
-    PyObject* told = PyObject_CallFunction(progress_.told.ptr(), "K", static_cast<unsigned long long>(store_.live()));
+    if (!progress_.due()) return false;
+    PyObject* told = PyObject_CallFunction(progress_.told().ptr(), "K", static_cast<unsigned long long>(store_.live()));
     Py_XDECREF(told);
     return told == nullptr;
   }
@@ -79,7 +78,7 @@ void run_on_deep_stack(Store& store, std::function<void()> body, Watch& watch) {
   for (bool done = false; !done;) {
     {
       const nb::gil_scoped_release release;
-      done = stack->ended(std::chrono::milliseconds(100));
+      done = stack->ended(kLook);
     }
     if (!done && !signalled && watch.must_stop()) {
       signalled = true;
