@@ -233,6 +233,23 @@ def test_links_lead_somewhere(page: Path) -> None:
             assert anchor in anchors(path), f"{page.name}: {target}#{anchor}"
 
 
+def test_the_page_on_adding_names_what_is_there() -> None:
+    """Files that have been renamed or split since, and names that no longer stand in them."""
+
+    def found(file: str) -> Path:
+        return next((path for path in (ROOT / "mcpn" / file, ROOT / file) if path.exists()), ROOT / "none")
+
+    page = (ROOT / "docs" / "adding.md").read_text()
+    files = {*re.findall(r"`((?:\w+/)+[\w.]*\w)`", page)}
+    assert len(files) > 50
+    assert {file for file in files if found(file).name == "none"} == set()
+    named = re.findall(r"`(\w+)`(?:(?:,| and| or)? `\w+`)* (?:in|of) `((?:\w+/)+\w+\.py)`", page)
+    assert len(named) > 20
+    assert [
+        (name, file) for name, file in named if not re.search(rf"\b{name}\b", found(file).read_text())
+    ] == []
+
+
 @pytest.mark.slow
 def test_the_site_builds_without_a_warning_and_loads_nothing_from_elsewhere(folder: Path) -> None:
     pytest.importorskip("mkdocs", reason="needs mcpn[docs]")
