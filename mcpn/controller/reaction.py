@@ -28,9 +28,6 @@ from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.markings.masked import bits_of
 from mcpn.spaces.stable.big_steps import FEW_CASES, MOST_KEPT, MOST_SINGLY, is_function
 
-FEW_STATES = 2_000
-"""States from which an event is run one by one, and not from all at once."""
-
 
 class Remembering:
     """The net of a type of sections with places that remember, on a store of its own.
@@ -104,15 +101,14 @@ class Remembering:
             return None
         label = self._label[transition]
         try:
-            steps, left = b"", states
-            if states.count() > FEW_STATES:
-                found = self._kernel.after(states, label)
-                if found is None:
-                    return None
-                whole = states - found[1]
-                function = self._kernel.function(whole, found[2]) if whole else None
-                if function:
-                    steps, left = function, found[1]
+            found = self._kernel.after(states, label)
+            if found is None:
+                return None
+            _, left, firings = found
+            whole = states - left
+            steps = self._kernel.function(whole, firings) or b"" if whole else b""
+            if not steps:
+                left = states
             if left:
                 covering = self._kernel.cover(left, label, MOST_SINGLY)
                 if covering is None or not covering[2]:
