@@ -242,7 +242,8 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=60, help="of CPU for each row (default 60)")
     options = parser.parse_args()
     codes = [*(path.resolve() for path in options.beside), ROOT]
-    bars = {"asked": ASKED, "others": OTHERS, "all": (*ASKED, *OTHERS)}[options.rows]
+    every = {"asked": ASKED, "others": OTHERS, "all": (*ASKED, *OTHERS)}[options.rows]
+    bars = [bar for bar in every if not options.family or bar.family in options.family]
     names = " | ".join(path.name for path in codes)
     print(
         f"| mission | command | {names} | asked: s, MB | |\n|---|---|{'---|' * len(codes)}---|---|",
@@ -253,11 +254,9 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for code in codes:  # makes the bytecode
-            for words in ("check", "causes --rates", "flat", "report"):
-                ran(code, COMMANDS[words], write("sites with rates", 1, folder), folder, options.seconds)
+            for words in sorted({bar.command for bar in bars}):
+                ran(code, COMMANDS[words], write("sites", 1, folder), folder, options.seconds)
         for bar in bars:
-            if options.family and bar.family not in options.family:
-                continue
             path = write(bar.family, bar.size, folder)
             least: list[Took | None] = [None] * len(codes)
             for _ in range(options.runs):
