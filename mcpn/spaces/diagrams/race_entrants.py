@@ -8,7 +8,7 @@ the queue runs dry. And it ends at the latest when its memory is full.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import field
+from functools import cached_property
 from itertools import islice
 from math import inf, log2
 from typing import TYPE_CHECKING
@@ -144,13 +144,13 @@ class OneByOne:
     least_steps: int = 1
     edges: bool = False
     outlook: float = inf
-    _prepared: KernelNet = field(init=False)
     _explorer: Explorer | None = None
     _encoding: Encoding | None = None
     _cancelled: bool = False
 
-    def __post_init__(self) -> None:
-        self._prepared = KernelNet(self.net)
+    @cached_property
+    def _prepared(self) -> KernelNet:
+        return KernelNet(self.net)
 
     @property
     def bytes(self) -> int:
