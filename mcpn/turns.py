@@ -8,8 +8,9 @@ this process, so that what else the machine does changes nothing; work does not 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from math import inf
+from types import MappingProxyType
 from typing import TypeAlias, TypeVar
 
 Made = TypeVar("Made")
@@ -42,6 +43,7 @@ def in_turns(
     first: float = FIRST_SLICE,
     whole: Iterator[Told | None] | None = None,
     near: Callable[[], bool] = lambda: False,
+    late: Mapping[Iterator[Told | None], float] = MappingProxyType({}),
 ) -> Iterator[Told | None]:
     """What several kinds of work tell and when they pause, until all have ended.
 
@@ -56,11 +58,12 @@ def in_turns(
         whole: One of them that tells nothing for long, and then all: it may be silent for as long as all the
             others together, and for twice a first slice at first.
         near: Whether that one has all that it needs to tell: it may then be silent for three times as long.
+        late: Seconds that some take to begin with, as to load a library: so long the others go first.
 
     >>> list(filter(None, in_turns([iter([1, None, 2, None, 3]), iter("ab")], lambda: False, first=1e9)))
     [1, 2, 3, 'a', 'b']
     """
-    silent = dict.fromkeys(map(iter, ways), 0.0)
+    silent = {way: late.get(way, 0.0) for way in map(iter, ways)}
     others = max(len(silent) - 1, 1)
 
     def together() -> int:

@@ -120,3 +120,14 @@ def test_who_has_answers_has_more_time(clock: Clock) -> None:
     for _ in in_turns(ways, lambda: clock.now > 60):
         pass
     assert clock.spent["telling"] > 2 * clock.spent["silent"]
+
+
+def test_what_takes_long_to_begin_waits_until_the_others_have_had_as_long(clock: Clock) -> None:
+    ways = [clock.work("loads", 0.01, 100), clock.work("soon", 0.01, 8), clock.work("later", 0.01, 100)]
+    begun = None
+    for _ in in_turns(ways, lambda: clock.now > 60, first=0.02, late={ways[0]: 0.1}):
+        if begun is None and clock.spent.get("loads"):
+            begun = dict(clock.spent)
+    assert begun is not None
+    assert begun["soon"] == pytest.approx(0.08)
+    assert 0.1 <= begun["later"] <= 0.22

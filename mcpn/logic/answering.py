@@ -38,7 +38,7 @@ from mcpn.spaces.engines import Choice, NoSpace
 from mcpn.spaces.search import EXPLICIT, HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION
 from mcpn.spaces.search.goal import FALSE, TRUE, And, AtMost, Formula
 from mcpn.steps import Doing, step
-from mcpn.turns import FIRST_SLICE, in_turns
+from mcpn.turns import in_turns
 
 if TYPE_CHECKING:
     from mcpn._kernel import Store
@@ -55,8 +55,10 @@ if TYPE_CHECKING:
 DIAGRAMS, COMPOSITION = "DECISION_DIAGRAMS", "COMPOSITION"
 FIRST_STEPS, MOST_STEPS = 600_000, 2**60
 """Of the race for the space, within which it is there at once, and where it goes on to its end."""
-SHORT_SLICE = 0.05
-"""Seconds of first turns where a search comes first."""
+SECONDS_OF_SOLVER = 0.1
+"""That it takes to load what solves linear programs."""
+FIRST_SLICE = 0.02
+"""Seconds of first turns: what is easy for some way is soon answered, whichever it is."""
 SLICE_OF_PROOF = 0.5
 """Seconds of first turns where one deadlock is asked for: to load the solver takes a tenth."""
 RESTS = 4
@@ -152,6 +154,7 @@ class _Answers(OpenQuestions):
         self.facts: Facts | None = None
         self._weighed: set[Formula] = set()
         self.rounds = self.path_rounds = 0
+        self.late: dict[Iterator[ContestAnswer | None], float] = {}
         self.failed: McpnError | None = None
         """Why there is no space."""
 
@@ -165,9 +168,14 @@ class _Answers(OpenQuestions):
         elif [*self.waiting.values()] == [SOME_DEADLOCK]:
             first = SLICE_OF_PROOF
         else:
-            first = SHORT_SLICE if self.searched else FIRST_SLICE
+            first = FIRST_SLICE
         turns = in_turns(
-            ways, lambda: not self.waiting, first=first, whole=space, near=lambda: self.questions.made
+            ways,
+            lambda: not self.waiting,
+            first=first,
+            whole=space,
+            near=lambda: self.questions.made,
+            late=self.late,
         )
         for told in turns:
             if told is not None:
@@ -184,14 +192,13 @@ class _Answers(OpenQuestions):
         if not self.typed:
             at_sight: Iterator[ContestAnswer | None] = chain(self.one_safe_at_sight(), self.rewritten())
             structure, equation, search = self.by_structure(), self.by_equation(), self.by_search()
+            need, paths = self.by_need(), self.by_paths()
             if self.searched:  # often a walk is enough, and the invariants take longer
                 equation = chain(structure, equation)
-            else:
-                at_sight = chain(at_sight, structure)
-            need, paths = self.by_need(), self.by_paths()
+            self.late[equation] = SECONDS_OF_SOLVER
             if self.searched:
-                return [at_sight, search, *space, need, paths, equation]
-            return [at_sight, *space, need, paths, search, equation]
+                return [at_sight, search, *space, structure, need, paths, equation]
+            return [chain(at_sight, structure), *space, need, paths, search, equation]
         # The space of a mission is not far, once a search has found nothing; in a small one it has the
         # shortest runs.
         ways = [self.one_safe_at_sight(), self.rewritten(), self.by_need(LOCAL_STEPS[:1])]

@@ -26,7 +26,7 @@ Run: TypeAlias = tuple[int, ...]
 Outcome: TypeAlias = Literal["reached", "unreachable", "states", "bytes", "tokens"]
 MOST_TOKENS = 2**31
 MAX_BYTES = 1 << 30
-FIRST_WALK, LONGEST_WALK, MOST_WALKS = 20_000, 640_000, 64
+FIRST_WALK, LONGEST_WALK, MOST_WALKS = 4_000, 640_000, 64
 """Firings of one walk from pause to pause, at first and at most, and walks of one seed."""
 WALK_LENGTH = 500
 """Firings before a walk begins anew, at first; in large nets twice as many as there are transitions."""
