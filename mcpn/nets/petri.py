@@ -405,7 +405,7 @@ class NetBuilder:
         """Declares a place and returns its name.
 
         Raises:
-            InputError: The name is taken.
+            InputError: The name is taken, or the tokens are no whole number.
         """
         self.add_place(Place(name, initial, provenance, label))
         return name
@@ -414,11 +414,12 @@ class NetBuilder:
         """Declares a place that is there.
 
         Raises:
-            InputError: Its name is taken.
+            InputError: Its name is taken, or its tokens are no whole number.
         """
+        origin = place.provenance
         if place.name in self._places:
-            origin = place.provenance
             raise InputError.at(origin.source if origin else None, f"place {place.name} is declared twice")
+        _whole(place.initial, f"place {place.name}", origin)
         self._places[place.name] = place
 
     def transition(
@@ -435,7 +436,7 @@ class NetBuilder:
         """Declares a transition; arcs are names of places (weight 1 each, repeats add up) or weights by name.
 
         Raises:
-            InputError: The name is taken, or the rank is out of bounds.
+            InputError: The name is taken, a weight is no whole number, or the rank is out of bounds.
         """
         if not 0 <= rank < EVENTS:
             raise InputError.at(
@@ -443,6 +444,9 @@ class NetBuilder:
                 f"transition {name}: found the rank {rank}, expected 0 to {EVENTS - 1}",
             )
         arcs = _weights(consume), _weights(produce), _weights(read)
+        for side in arcs:
+            for place, weight in side.items():
+                _whole(weight, f"transition {name}, place {place}", provenance)
         self.add_draft(name, (arcs, event, rank, provenance))
 
     def add_draft(self, name: str, draft: Draft) -> None:
@@ -535,6 +539,13 @@ def _arcs(
         arcs = [arc for arc in arcs if arc[1]]
     arcs.sort()
     return tuple(arcs)
+
+
+def _whole(number: object, whose: str, origin: Provenance | None) -> None:
+    """Refuses tokens and weights that no file can say, and no engine counts."""
+    if type(number) is not int or number < 0:
+        source = origin.source if origin else None
+        raise InputError.at(source, f"{whose}: found {number!r}, expected a whole number from 0")
 
 
 def _weights(side: Iterable[str] | Mapping[str, int]) -> dict[str, int]:

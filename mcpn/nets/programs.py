@@ -157,7 +157,7 @@ def minimise(
         upper: The greatest value of each.
 
     Returns:
-        The answer.
+        The answer; unknown where a number is larger than any float.
 
     >>> found = minimise([1, 1], [({0: 2, 1: 1}, 3, inf)], [0, 0], [1, 5])
     >>> found.kind, found.values, found.cost
@@ -165,7 +165,10 @@ def minimise(
     >>> minimise([1, 1], [({0: 2, 1: 1}, 8, inf)], [0, 0], [1, 5]).kind
     'infeasible'
     """
-    return LinearProgram(cost, rows, lower, upper).minimise()
+    try:
+        return LinearProgram(cost, rows, lower, upper).minimise()
+    except OverflowError:  # nets read from JSON may have numbers of thousands of digits
+        return Solved("unknown")
 
 
 DENOMINATORS = (1, 12, 1_000, 1_000_000)

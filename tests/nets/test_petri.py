@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -47,6 +48,20 @@ def test_builders_refuse_what_makes_no_sense() -> None:
         builder.transition("t")
     with pytest.raises(InputError, match="transition t names the place q"):
         builder.build()
+
+
+@pytest.mark.parametrize("number", [-1, 0.5, 2.0, True, "1", None])
+def test_tokens_and_weights_are_whole_numbers(number: Any) -> None:
+    """Else an engine would count with them, and a file be written that no reader takes."""
+    builder = NetBuilder("n")
+    with pytest.raises(InputError, match=f"place p: found {number!r}, expected a whole number from 0"):
+        builder.place("p", initial=number)
+    builder.place("p")
+    arcs: list[dict[str, Any]] = [{side: {"p": number}} for side in ("consume", "produce", "read")]
+    for side in arcs:
+        with pytest.raises(InputError, match=f"transition t, place p: found {number!r}, expected a whole"):
+            builder.transition("t", **side)
+    assert builder.build().transitions == ()
 
 
 def safe_at_first(net: PetriNet) -> PetriNet:

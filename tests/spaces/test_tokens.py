@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import replace
 from unittest.mock import patch
 
 import pytest
-from hypothesis import event, given
+from hypothesis import event, example, given
+from hypothesis import strategies as st
 
+import mcpn
 from mcpn.errors import LimitError, UnboundedError
 from mcpn.events import Event
+from mcpn.logic.behaviour import check_net
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.markings import boundedness as walks
 from mcpn.spaces.markings.boundedness import OMEGA, boundedness
 from mcpn.spaces.markings.counted import count_tokens, explore_tokens
 from mcpn.testing.nets import FAMILIES
+from tests.draws import fewer
 from tests.nets.nets import graph_of, nets, token_nets
 from tests.shares import returns_early
 
@@ -162,3 +169,58 @@ def test_where_the_limit_is_hit_bounds_are_left_out_but_not_what_is_known() -> N
         check_pump(net, found.run, found.pump)
         seen.add(found.bounds)
     assert seen == {None, (OMEGA,) * 4}
+
+
+def grown(count: int, *arcs: tuple[list[str], list[str]]) -> PetriNet:
+    """A net whose first place is marked."""
+    builder = NetBuilder("grown")
+    for number in range(count):
+        builder.place(f"p{number}", initial=1 if number == 0 else 0)
+    for number, (before, after) in enumerate(arcs):
+        builder.transition(f"t{number}", consume=before, produce=after)
+    return builder.build()
+
+
+def by_the_heap(net: PetriNet, heap: int) -> PetriNet:
+    """All tokens and weights times one number, which leaves the graph as it is."""
+    places = tuple(replace(place, initial=place.initial * heap) for place in net.places)
+
+    def piled(arcs: Iterable[tuple[int, int]]) -> tuple[tuple[int, int], ...]:
+        return tuple((place, weight * heap) for place, weight in arcs)
+
+    transitions = tuple(
+        replace(t, consume=piled(t.consume), produce=piled(t.produce), read=piled(t.read))
+        for t in net.transitions
+    )
+    return replace(net, places=places, transitions=transitions)
+
+
+@fewer(0.3)
+@given(token_nets(), st.sampled_from([3, 10**6, 10**10, 10**20, 10**400]))
+@example(grown(2, (["p0"], ["p1"]), (["p1"], [])), 10**400)
+def test_tokens_by_the_heap_are_counted_or_beyond_a_limit(net: PetriNet, heap: int) -> None:
+    """Numbers of files may have 4,000 digits: what cannot hold them says so."""
+    graph, piled = graph_of(net), by_the_heap(net, heap)
+    for asked in ("states", "check"):
+        try:
+            states = mcpn.open(piled).states().states if asked == "states" else check_net(piled).states
+        except UnboundedError:
+            assert graph is None
+        except LimitError:
+            assert heap > 3 or graph is None
+        else:
+            assert states is None or graph is None or states == len(graph)
+    with suppress(LimitError, UnboundedError):
+        assert mcpn.open(piled).ctl("EF deadlock").holds == mcpn.open(net).ctl("EF deadlock").holds
+
+
+@pytest.mark.parametrize("taken", [1, 10**400 - 1], ids=["one", "nearly all"])
+def test_what_takes_little_of_a_heap(taken: int) -> None:
+    """Neither the coverability tree nor a linear program says a bound beyond floats as a float."""
+    builder = NetBuilder("little")
+    builder.place("p", initial=1)
+    builder.place("q")
+    builder.transition("heap", consume=["p"], produce={"q": 10**400})
+    builder.transition("take", consume={"q": taken})
+    with pytest.raises(LimitError):
+        mcpn.open(builder.build()).states()

@@ -8,7 +8,7 @@ asked whether there is an end to it.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from math import floor, inf, isinf
+from math import floor, inf
 
 from mcpn.errors import LimitError, UnboundedError
 from mcpn.nets.petri import PetriNet
@@ -45,7 +45,7 @@ class Widths:
         self.net, self.most = net, most
         bounds = place_bounds(net)
         self.bits = [
-            max(place.initial.bit_length(), first if isinf(bound) else int(bound).bit_length(), 1)
+            max(place.initial.bit_length(), first if bound == inf else int(bound).bit_length(), 1)
             for place, bound in zip(net.places, bounds, strict=True)
         ]
         """By place."""
@@ -53,7 +53,7 @@ class Widths:
         """Nodes of the next coverability tree; 0 once bounds are no longer asked for."""
         self._check()
         if asking and self._patience:
-            self._ask([place for place, bound in enumerate(bounds) if isinf(bound)])
+            self._ask([place for place, bound in enumerate(bounds) if bound == inf])
 
     def widen(self, narrow: Collection[int]) -> None:
         """Makes some places wider.
@@ -126,7 +126,7 @@ def _by_tree(net: PetriNet, nodes: int) -> dict[int, float] | None:
         places = [net.places[place].name for place, by in grown.items() if by > 0]
         raise UnboundedError(places, verdict.run, verdict.pump, verdict.bounds)
     assert verdict.bounds is not None, "known of a bounded net without priorities"
-    return dict(enumerate(map(float, verdict.bounds)))
+    return dict(enumerate(verdict.bounds))
 
 
 def by_programs(net: PetriNet, asked: Collection[int]) -> dict[int, float]:
