@@ -95,19 +95,21 @@ def _filled_at_first(cls: type) -> Any:
 
 def _filled(made: Any, cls: Any, args: tuple[Any, ...], given: dict[str, Any]) -> bool:
     """Sets the fields of a record; whether what is given fits them, as the compiled method says more of."""
-    every = fields(cls)
-    values = {**dict(zip((each.name for each in every if not each.kw_only), args, strict=False)), **given}
+    by_place = (each.name for each in fields(cls) if each.init and not each.kw_only)
+    values = {**dict(zip(by_place, args, strict=False)), **given}
     if len(values) < len(args) + len(given):  # some twice, or too many
         return False
-    for each in every:
-        if each.name in values:
+    for each in fields(cls):
+        if each.init and each.name in values:
             value = values.pop(each.name)
         elif each.default is not MISSING:
             value = each.default
         elif each.default_factory is not MISSING:
             value = each.default_factory()
-        else:
+        elif each.init:
             return False
+        else:
+            continue
         object.__setattr__(made, each.name, value)
     if values:
         return False
@@ -124,9 +126,15 @@ def _init(cls: type) -> tuple[str, dict[str, Any]]:
         value = each.name
         if each.default_factory is not MISSING:
             known[f"_of_{each.name}"] = each.default_factory
-            value = f"_of_{each.name}() if {each.name} is _none else {each.name}"
+            value = f"_of_{each.name}()"
+            if each.init:
+                value += f" if {each.name} is _none else {each.name}"
         elif each.default is not MISSING:
             known[f"_of_{each.name}"] = each.default
+            if not each.init:
+                value = f"_of_{each.name}"
+        elif not each.init:
+            continue
         slot = getattr(vars(cls).get(each.name), "__set__", None)
         if slot is not None:
             known[f"_set_{each.name}"] = slot
@@ -135,8 +143,9 @@ def _init(cls: type) -> tuple[str, dict[str, Any]]:
             body.append(f"  _set(self, {each.name!r}, {value})")
     if hasattr(cls, "__post_init__"):
         body.append("  self.__post_init__()")
-    by_place = [_parameter(each) for each in fields(cls) if not each.kw_only]
-    by_name = [_parameter(each) for each in fields(cls) if each.kw_only]
+    given = [each for each in fields(cls) if each.init]
+    by_place = [_parameter(each) for each in given if not each.kw_only]
+    by_name = [_parameter(each) for each in given if each.kw_only]
     parameters = ", ".join(["self", *by_place, *(["*", *by_name] if by_name else [])])
     return "\n".join([f"def __init__({parameters}):", *(body or ["  pass"])]), known
 
@@ -192,10 +201,9 @@ class _Signature:
         from inspect import Parameter, Signature
 
         kinds = {True: Parameter.KEYWORD_ONLY, False: Parameter.POSITIONAL_OR_KEYWORD}
-        parameters = [
-            Parameter(each.name, kinds[bool(each.kw_only)], annotation=each.type) for each in fields(cls)
-        ]
-        for number, each in enumerate(fields(cls)):
+        given = [each for each in fields(cls) if each.init]
+        parameters = [Parameter(each.name, kinds[bool(each.kw_only)], annotation=each.type) for each in given]
+        for number, each in enumerate(given):
             default = each.default if each.default_factory is MISSING else each.default_factory
             if default is not MISSING:
                 parameters[number] = parameters[number].replace(default=default)

@@ -197,3 +197,27 @@ def test_a_record_that_is_not_frozen_changes_and_has_no_hash() -> None:
     assert copy.copy(one) == one
     with pytest.raises(TypeError, match="unhashable"):
         hash(one)
+
+
+def test_fields_that_nobody_gives_have_their_defaults_or_wait() -> None:
+    @record(frozen=True, slots=True)
+    class Fresh:
+        """Of this test alone."""
+
+        name: str
+        wheels: int = field(default=4, init=False)
+        load: list[str] = field(default_factory=list, init=False)
+        towed: str = field(init=False)
+        colour: str = "red"
+
+    kind: Any = Fresh
+    assert [*inspect.signature(kind).parameters] == ["name", "colour"]
+    for _ in range(FEW + 2):
+        one = kind("a", "blue")
+        assert (one.wheels, one.load, one.colour) == (4, [], "blue")
+        assert not hasattr(one, "towed")
+        assert replace(one, name="b").wheels == 4
+        with pytest.raises(TypeError, match="unexpected keyword argument 'wheels'"):
+            kind("a", wheels=3)
+        with pytest.raises(TypeError, match="takes from 2 to 3 positional"):
+            kind("a", "blue", 3)
