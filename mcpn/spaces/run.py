@@ -113,14 +113,14 @@ class Evolution:
         self, completion: Completion, marking: list[int], fired: Iterable[int] | None = None
     ) -> None:
         self.completion, self.marking = completion, marking
-        self._since = None if fired is None else list(fired)
+        self._since = None if fired is None else [completion.concerned(t) for t in fired]
         self._rarer = {place for place in completion.rarer if marking[place]}
 
     def fire(self, t: int) -> None:
         """Fires a transition; the caller has seen that it is enabled."""
-        self._fire(t)
+        concerned = self._fire(t)
         if self._since is not None:
-            self._since.append(t)
+            self._since.append(concerned)
 
     def settle(self) -> Iterator[int]:
         """The internal transitions fired until the marking is stable; the caller knows that this ends."""
@@ -131,8 +131,8 @@ class Evolution:
             for queue, transitions in zip(queues, ranks, strict=True):
                 queue.extend(transitions)
         else:
-            for t in self._since:
-                for number, u in self._enabled_by(t):
+            for concerned in self._since:
+                for number, u in self._enabled_by(concerned):
                     queues[number].append(u)
         needs, marking = self.completion.needs, self.marking
         while True:
@@ -146,22 +146,25 @@ class Evolution:
                 if marking[place] < weight:
                     break
             else:
-                self._fire(t)
+                concerned = self._fire(t)
                 yield t
                 queue.append(t)
-                for number, u in self._enabled_by(t):
+                for number, u in self._enabled_by(concerned):
                     queues[number].append(u)
         self._since = []
 
-    def _fire(self, t: int) -> None:
+    def _fire(self, t: int) -> Concerned:
+        """Fires a transition; what that may have enabled, which is put together once for each firing."""
         marking = self.marking
         self.completion.net.fire_in_place(marking, t)
-        for place in self.completion.concerned(t)[2]:
+        concerned = self.completion.concerned(t)
+        for place in concerned[2]:
             (self._rarer.add if marking[place] else self._rarer.discard)(place)
+        return concerned
 
-    def _enabled_by(self, fired: int) -> Sequence[tuple[int, int]]:
+    def _enabled_by(self, concerned: Concerned) -> Sequence[tuple[int, int]]:
         """Internal transitions that a firing may have enabled, each after the number of its rank."""
-        few, crowded, _ = self.completion.concerned(fired)
+        few, crowded, _ = concerned
         if not crowded:
             return few
         crowds = [self.completion.crowds[place] for place in crowded]

@@ -123,7 +123,7 @@ class _Made(Generic[S]):
     def _interrupts(self, event: str, own: Collection[int], name: str, other: str) -> Claim:
         running = self.running(name)
         outside = self.space.everything - running
-        left = self.space.before(outside, own) & running
+        left = self.space.before(outside, own, among=running) & running
         kind = "interrupts_answer"
         formula = KINDS[kind].formula.format(event, name)
         run = partial(self.parts.run_through, left, own, outside) if left else None
