@@ -175,21 +175,30 @@ class CopiedNet(PetriNet):
     def event(self, transition: int) -> Event | None:
         """The event of a transition."""
         number, within = self.copies.transitions.at(transition)
-        if number is None or self._transitions.drawn:
+        if number is None:
+            one = self._transitions.direct[within]
+            return one.event
+        if self._transitions.drawn:
             return super().event(transition)
         return (copy := self.copies.every[number]).stencil.event(copy, within)
 
     def arcs(self, transition: int) -> tuple[Arcs, Arcs, Arcs]:
         """What a transition consumes, produces and reads."""
         number, within = self.copies.transitions.at(transition)
-        if number is None or self._transitions.drawn:
+        if number is None:
+            one = self._transitions.direct[within]
+            return one.consume, one.produce, one.read
+        if self._transitions.drawn:
             return super().arcs(transition)
         return (copy := self.copies.every[number]).stencil.arcs(copy, within, self.copies.entry)
 
     def needs(self, transition: int) -> Arcs:
         """What a transition consumes, and what it reads."""
         number, within = self.copies.transitions.at(transition)
-        if number is None or self._transitions.drawn:
+        if number is None:
+            one = self._transitions.direct[within]
+            return (*one.consume, *one.read)
+        if self._transitions.drawn:
             return super().needs(transition)
         return (copy := self.copies.every[number]).stencil.needs(copy, within)
 
