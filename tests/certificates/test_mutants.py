@@ -108,8 +108,8 @@ def without(controller: dict[str, Any], activities: set[str]) -> Iterator[dict[s
 
 def test_what_goes_on_instead_of_beginning_anew_is_not_false() -> None:
     """docs/certificates.md does not claim it, so ctlcheck proves it, and the campaign agrees."""
-    original = core_mutants.originals()[0]
-    flat = next(each for each in original.controllers if each["form"] == "flat")
+    original = core_mutants.original(core_mutants.HOME, ("flat",))
+    (flat,) = original.controllers
     proved = [each for each in without(flat, {"rest"}) if both_checkers.accepted(original.net, each)[0]]
     assert proved
     assert not any(core_mutants._as_before(flat, each, "")[2] for each in proved)

@@ -131,7 +131,7 @@ def test_both_say_the_same_of_changed_certificates(
     assert {"malformed", "refuted"} & kinds.keys()
 
 
-@fewer(0.05)
+@fewer(0.05, least=3)
 @given(
     missions(max_hardware=2, max_objectives=2, max_sections=2, events=1, timeouts=1)
     | fragile_missions(max_hardware=1, max_objectives=2, max_sections=2),

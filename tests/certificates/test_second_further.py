@@ -244,7 +244,7 @@ def certified(mission: Mission, chances: bool) -> bytes | str:
     return certificate.to_bytes() if certificate.further else "trusted"
 
 
-@fewer(0.05)
+@fewer(0.05, least=3)
 @given(
     st.tuples(any_missions() | interrupted_missions(), st.sampled_from([1.0, 10.0]))
     | st.tuples(

@@ -95,7 +95,7 @@ def test_one_section_of_many_is_enough(
     assert of_both(checker, folder, core, controller) == ("refuted", "refuted")
 
 
-@fewer(0.2)
+@fewer(0.2, least=3)
 @given(mission=DRAWN, form=st.sampled_from(["hierarchical", "modular"]), seed=st.integers(0, 1 << 32))
 def test_both_say_the_same_of_drawn_missions(
     checker: Path, folder: Path, mission: Mission, form: str, seed: int

@@ -121,7 +121,7 @@ def test_both_say_the_same_of_a_mission(checker: Path, file: Path, path: Path) -
 
 
 @pytest.mark.may_leave(0.8)
-@fewer(0.2)
+@fewer(0.2, least=3)
 @given(mission=DRAWN)
 def test_both_say_the_same_of_drawn_missions(checker: Path, file: Path, mission: Mission) -> None:
     try:

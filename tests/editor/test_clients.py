@@ -94,7 +94,9 @@ def test_every_seeded_error_is_that_of_check(tmp_path: Path) -> None:
     assert len(broken) > 100
     expected = [by_check(path, text) for text in broken.values()]
     path.write_text(RIGHT)
-    for asked in (by_a_client_in_forty_lines, by_pytest_lsp):
-        found = asked(path, [*broken.values(), RIGHT])
+    # The client of others asks about some: what it may see differently is how messages are framed.
+    for asked, share in ((by_a_client_in_forty_lines, 1), (by_pytest_lsp, 5)):
+        names = list(broken)[::share]
+        found = asked(path, [*(broken[name] for name in names), RIGHT])
         assert found.pop() == []
-        assert dict(zip(broken, found, strict=True)) == dict(zip(broken, expected, strict=True)), asked
+        assert dict(zip(names, found, strict=True)) == dict(zip(names, expected[::share], strict=True)), asked

@@ -187,6 +187,7 @@ def test_what_leads_on_by_the_page(
     assert now.running == running
 
 
+@pytest.mark.slow  # test_lockstep.py draws wide blocks of fewer branches
 def test_a_wide_block_is_as_the_page_says(faults: Path) -> None:
     verdict = Judge(read_mission(fault(faults, "wide_parallel_7"))).judge()
     assert verdict.kind == "agree"

@@ -290,7 +290,7 @@ def test_the_memory_limit_is_an_error_and_leaves_the_store_usable() -> None:
 
 
 def test_garbage_is_collected_under_what_is_held() -> None:
-    store, start, events = permutations(7)
+    store, start, events = permutations(6)
     result = start.saturate(events)
     count, nodes = result.count(), result.nodes()
     for level in range(store.levels):

@@ -31,7 +31,7 @@ def test_the_text_says_of_ulysse_what_the_graph_says(ulysse_net: MissionNet) -> 
     agree(ulysse_net)
 
 
-@fewer(0.75)
+@fewer(0.5)
 @given(
     fragile_missions(max_hardware=4)
     | fragile_missions(max_hardware=3, faults=2)

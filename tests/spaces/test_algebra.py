@@ -280,7 +280,7 @@ def s_all(space: Space[Any]) -> list[int]:
     return list(range(len(space.net.transitions)))
 
 
-@fewer(0.4)
+@fewer(0.4, least=4)
 @given(missions(max_hardware=2, max_producers=1, max_sections=4), st.data())
 def test_spaces_of_markings_agree_with_plain_search(mission: Mission, data: st.DataObject) -> None:
     net = composed(mission).net
@@ -289,7 +289,7 @@ def test_spaces_of_markings_agree_with_plain_search(mission: Mission, data: st.D
     Questions(data.draw, start, graph, markings_spaces(net)).ask()
 
 
-@fewer(0.4)
+@fewer(0.4, least=4)
 @given(
     missions(max_hardware=3, max_producers=2) | missions(max_hardware=2, max_producers=1, late=True),
     st.data(),
@@ -314,7 +314,7 @@ def test_spaces_of_ulysse_have_its_sizes(ulysse_net: MissionNet, kind: str) -> N
         assert sum(space.firings(space.everything).values()) == (124078 if kind == "markings" else 1332)
 
 
-@fewer(0.4)
+@fewer(0.4, least=4)
 @given(
     missions(max_hardware=2, max_producers=2, max_sections=4)
     | missions(max_hardware=2, max_producers=1, max_sections=4, late=True, lasting=True),
@@ -336,7 +336,7 @@ def test_spaces_of_mortal_hardware_agree_with_plain_search(mission: Mission, dat
     Questions(data.draw, start, graph, spaces).ask()
 
 
-@fewer(0.4)
+@fewer(0.4, least=4)
 @given(missions(max_hardware=3, max_producers=2))
 def test_the_composite_refuses_what_is_not_confluent(mission: Mission) -> None:
     mission_net = composed(mission)
