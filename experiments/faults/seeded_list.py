@@ -176,8 +176,8 @@ FAULTS: tuple[Seeded, ...] = (
         _C,
         _TYPE,
         "a section that is left hands on hardware in service",
-        "status = status.images([event(gained, [slot, *lost])]) | status.subset(lost, gained)",
-        "status = status.images([event(gained, lost)]) | status.subset(lost, gained)",
+        "[event(gained, [slot, *lost])]",
+        "[event(gained, lost)]",
         (*LOCAL, *LOSSES),
     ),
     Seeded(

@@ -20,6 +20,7 @@ from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.formula_names import Names
 from mcpn.spaces.search.goal import as_goal, holds
 from tests.nets.nets import token_nets
+from tests.shares import returns_early
 from tests.spaces.search.goals import all_markings
 
 RELATIONS: dict[str, Callable[[int, int], bool]] = {
@@ -45,7 +46,13 @@ def test_a_comparison_is_that_of_the_numbers(
     markings = all_markings(net, 200)
     assume(markings is not None and len(net.places) > 3)
     assert markings is not None
-    goal = as_goal(related(left, relation, right, net), net)
+    try:
+        goal = as_goal(related(left, relation, right, net), net)
+    except InputError as error:
+        if "of at most 1000 values together" not in str(error):
+            raise
+        returns_early("a product of too many values")
+        return
     assert goal is not None
     for marking in markings:
         assert holds(goal, net, marking) == RELATIONS[relation](value(left, marking), value(right, marking))
