@@ -15,6 +15,8 @@ from mcpn.answers.causes.block_elimination import Elimination
 from mcpn.answers.causes.linear_systems import LayeredSystem, Layers, StepSystem, solver_of
 from mcpn.answers.causes.resolvents import TOO_SMALL, Eliminated, resolvent
 from mcpn.answers.causes.sparse import Floats, SparseMatrix
+from mcpn.errors import LimitError
+from tests.shares import returns_early
 
 
 def sparse(matrix: Floats) -> SparseMatrix:
@@ -116,7 +118,14 @@ def test_iteration_settles_where_parts_are_left_at_unlike_rates(rates: list[floa
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(linear_systems, "MOST_DENSE", 0)
         iterated = solver_of(lambda columns: np.asarray(steps @ columns), lambda: leaving, whole)
-    assert iterated(right) == pytest.approx(resolvent(steps, leaving) @ right, rel=1e-11)
+    try:
+        found = iterated(right)
+    except LimitError:
+        if len(set(rates)) == len(rates):
+            raise
+        returns_early("one part leads to another that is left as slowly")
+        return
+    assert found == pytest.approx(resolvent(steps, leaving) @ right, rel=1e-11)
 
 
 @given(st.integers(1, 12), st.integers(0, 99), st.floats(0.0, 0.5), st.sampled_from([0, 1 << 31]))
