@@ -26,6 +26,7 @@ from mcpn.events import Event, What
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.syntax import parse
 from mcpn.mission.core.objectives_graph import ElementarySection
+from mcpn.mission.fact_conditions import FACTS
 from mcpn.mission.model import Handler, Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.mission.xml import read_mission
@@ -265,11 +266,13 @@ def test_critical_events_are_those_of_plain_search(mission: Mission, engine: Eng
     makers = {k: a for a in found.core.activities for k in a.produces}
 
     def under(resource: str) -> set[str]:
-        """The hardware whose loss may be felt through a resource; none where its producer needs none."""
+        """What is felt through a resource, losses or facts; nothing where its producer never needs any."""
         if resource not in makers:
             return {resource}.intersection(play.hardware)
-        ways = [set[str]().union(*map(under, way.consumes)) for way in makers[resource].alternatives]
-        return set[str]().union(*ways) if all(ways) else set()
+        ways = {way: set[str]().union(*map(under, way.consumes)) for way in makers[resource].alternatives}
+        refusable = all(needed or way.requires for way, needed in ways.items())
+        facts = {FACTS} if any(way.requires for way in ways) else set[str]()
+        return facts.union(*ways.values()) if refusable else set()
 
     def concerned(of: Event) -> set[str]:
         """Those whose alternatives differ in the hardware, or those of the objective that ends."""
